@@ -44,9 +44,7 @@ LOBE_FLATTEN void find_gaps(const float* places, float share, PairBlock* blocks,
       const auto place = [&](std::size_t c) {
         return PaddedVectors<T>::load(places, &block->places[c][first]);
       };
-      const auto a = [&](std::size_t i) {
-        return T(&block->normal[i][first], std::experimental::element_aligned);
-      };
+      const auto a = [&](std::size_t i) { return T(&block->normal[i][first]); };
       const Vector from = place(3), e1 = place(4) - from, e2 = place(5) - from, e3 = place(6) - from;
       const Vector n = cross(e2, e3) * a(0) + cross(e3, e1) * a(1) + cross(e1, e2) * a(2);
       const auto along = [&](const Vector& x) { return std::bit_cast<Register<float>>(dot(n, x)); };
@@ -55,7 +53,7 @@ LOBE_FLATTEN void find_gaps(const float* places, float share, PairBlock* blocks,
       const auto x = along(place(0) - from), y = along(place(1) - from), z = along(place(2) - from);
       const auto outside = (x + y + z) * ((1 - share) / 3) + least(least(x, y), z) * share;
       const T gap = std::bit_cast<T>(outside - inside) / sqrt(dot(n, n));
-      gap.copy_to(&block->gap[first], std::experimental::element_aligned);
+      gap.copy_to(&block->gap[first]);
     }
 }
 
@@ -70,9 +68,7 @@ LOBE_FLATTEN void find_insides(const double* places, const double* points, int p
       const auto place = [&](std::size_t c) {
         return PaddedVectors<T>::load(places, &blocks[i].places[c][first]);
       };
-      const auto store = [&](const T& value, InsideBlock::Row& row) {
-        value.copy_to(&row[first], std::experimental::element_aligned);
-      };
+      const auto store = [&](const T& value, InsideBlock::Row& row) { value.copy_to(&row[first]); };
       const Vector from = place(3), e1 = place(4) - from, e2 = place(5) - from, e3 = place(6) - from;
       const Vector across[3] = {cross(e2, e3), cross(e3, e1), cross(e1, e2)};
       const T six_volumes = dot(e1, across[0]), inverse = T(1) / six_volumes;

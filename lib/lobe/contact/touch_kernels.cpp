@@ -12,10 +12,8 @@ using T = Pack<double>;
 using Row = PointBlock::Row;
 constexpr int count = static_cast<int>(T::size());
 
-T load(const Row& row, int first) { return T(&row[std::size_t(first)], std::experimental::element_aligned); }
-void store(const T& value, Row& row, int first) {
-  value.copy_to(&row[std::size_t(first)], std::experimental::element_aligned);
-}
+T load(const Row& row, int first) { return T(&row[std::size_t(first)]); }
+void store(const T& value, Row& row, int first) { value.copy_to(&row[std::size_t(first)]); }
 Vec3<T> load(const std::array<Row, 3>& rows, int first) {
   return {load(rows[0], first), load(rows[1], first), load(rows[2], first)};
 }
@@ -35,17 +33,15 @@ LOBE_FLATTEN void to_axes(const TouchAxes& axes, TouchRows x, TouchRows v, int p
   for (int i = 0; i < point_count; i += count) {
     Vec3<T> place, velocity;
     for (int d = 0; d < 3; ++d) {
-      place[d] =
-          T(x.row + d * x.stride + i, std::experimental::element_aligned) - T(axes.position[std::size_t(d)]);
-      velocity[d] =
-          T(v.row + d * v.stride + i, std::experimental::element_aligned) - T(axes.velocity[std::size_t(d)]);
+      place[d] = T(x.row + d * x.stride + i) - T(axes.position[std::size_t(d)]);
+      velocity[d] = T(v.row + d * v.stride + i) - T(axes.velocity[std::size_t(d)]);
     }
     const Vec3<T> at = turned(place), by_itself = turned(velocity);
     for (int d = 0; d < 3; ++d) {
       const int e = (d + 1) % 3, g = (d + 2) % 3;
       const T speed = by_itself[d] - (spin[e] * at[g] - spin[g] * at[e]);
-      at[d].copy_to(x.row + d * x.stride + i, std::experimental::element_aligned);
-      speed.copy_to(v.row + d * v.stride + i, std::experimental::element_aligned);
+      at[d].copy_to(x.row + d * x.stride + i);
+      speed.copy_to(v.row + d * v.stride + i);
     }
   }
 }

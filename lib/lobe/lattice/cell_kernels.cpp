@@ -9,7 +9,7 @@ namespace {
 
 template <class T>
 T row(const typename T::value_type* values) {
-  return T(values, std::experimental::element_aligned);
+  return T(values);
 }
 
 // As many cells of a block as one register holds. Displacements are differences to that of the first node, so
@@ -100,9 +100,9 @@ LOBE_FLATTEN void find_tangents(const CellArrays<Real>& cells, CellTangents<Real
       for (int n = 0; n < 8; ++n) {
         const Mat3<T> K = law_diagonal_block(law, cell.H, Vec3<T>(cell.gradient.col(n)));
         const T bound = eigenvalue_bound(K) * cell.V;
-        bound.copy_to(&tangents[b].bounds[n][first], std::experimental::element_aligned);
+        bound.copy_to(&tangents[b].bounds[n][first]);
       }
-      volume_ratio(cell.H).copy_to(&tangents[b].volume_ratio[first], std::experimental::element_aligned);
+      volume_ratio(cell.H).copy_to(&tangents[b].volume_ratio[first]);
     }
 }
 

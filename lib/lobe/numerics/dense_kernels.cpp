@@ -37,7 +37,6 @@ LOBE_FLATTEN void symmetric_product(const Real* tiles, SymmetricHalf shape, cons
                                     Index end, Real* y) {
   using T = Pack<Real>;
   constexpr int columns = SymmetricHalf::panel_columns, rows = SymmetricHalf::tile_rows;
-  constexpr auto aligned = std::experimental::element_aligned;
   const Index tile_count = shape.tiles();
   for (Index p = begin; p < end; ++p) {
     const Index first = p * columns / rows;
@@ -51,18 +50,18 @@ LOBE_FLATTEN void symmetric_product(const Real* tiles, SymmetricHalf shape, cons
       });
       const Real* tile = panel + k;
       for (Index t = first; t < tile_count; ++t, tile += SymmetricHalf::tile_size) {
-        const T pack_of_x(x + t * rows + k, aligned);
+        const T pack_of_x(x + t * rows + k);
         T even = 0, odd = 0;
         unrolled<columns>([&](int c) {
-          const T S(tile + c * rows, aligned);
+          const T S(tile + c * rows);
           (c % 2 == 0 ? even : odd) += S * x_of[c];
           sums[c] += S * pack_of_x;
         });
-        T sum(y + t * rows + k, aligned);
+        T sum(y + t * rows + k);
         sum += even + odd;
-        sum.copy_to(y + t * rows + k, aligned);
+        sum.copy_to(y + t * rows + k);
       }
-      unrolled<columns>([&](int c) { sums[c].copy_to(lanes + c * rows + k, aligned); });
+      unrolled<columns>([&](int c) { sums[c].copy_to(lanes + c * rows + k); });
     }
     add_column_sums(lanes, y + p * columns);
     add_column_sums(lanes + columns * rows / 2, y + p * columns + 4);

@@ -31,7 +31,6 @@ struct ProductPanels {
 template <class Real>
 void panel_product(const Real* A, const Real* B, Index depth, Real* sums) {
   using T = Pack<Real>;
-  constexpr auto aligned = std::experimental::element_aligned;
   constexpr int width = static_cast<int>(T::size()), panel_rows = ProductPanels::rows;
   constexpr int packs = std::min(2, panel_rows / width), columns = width * sizeof(Real) == 64 ? 8 : 4;
   for (int i = 0; i < panel_rows; i += packs * width)
@@ -41,15 +40,14 @@ void panel_product(const Real* A, const Real* B, Index depth, Real* sums) {
       const Real *a = A + i, *b = B + j;
       for (Index k = 0; k < depth; ++k, a += panel_rows, b += ProductPanels::columns) {
         T pack_of_a[packs];
-        unrolled<packs>([&](int p) { pack_of_a[p].copy_from(a + p * width, aligned); });
+        unrolled<packs>([&](int p) { pack_of_a[p].copy_from(a + p * width); });
         unrolled<columns>([&](int c) {
           const T factor = b[c];
           unrolled<packs>([&](int p) { sum[c * packs + p] += pack_of_a[p] * factor; });
         });
       }
-      unrolled<columns * packs>([&](int s) {
-        sum[s].copy_to(sums + (j + s / packs) * panel_rows + i + s % packs * width, aligned);
-      });
+      unrolled<columns * packs>(
+          [&](int s) { sum[s].copy_to(sums + (j + s / packs) * panel_rows + i + s % packs * width); });
     }
 }
 

@@ -5,15 +5,15 @@
 
 #include <Eigen/Core>
 #include <bit>
+#include <cmath>
+#include <concepts>
 #include <cstdint>
 #include <cstring>
-#include <experimental/simd>
 #include <utility>
 
-namespace lobe {
+#include "lobe/numerics/lane_mask.h"
 
-template <class Real>
-using Pack = std::experimental::native_simd<Real>;
+namespace lobe {
 
 // body(0), body(1) … body(n − 1), one after the other without a loop.
 template <int n, class Body>
@@ -21,6 +21,86 @@ template <int n, class Body>
   [&]<int... i>(std::integer_sequence<int, i...>) __attribute__((always_inline)) { (body(i), ...); }
   (std::make_integer_sequence<int, n>());
 }
+
+// A register of so many bytes, whose number of bytes is a part of the type: units that are compiled for
+// different instruction sets share no function of packs. Each operation acts lane by lane, in IEEE arithmetic.
+template <std::floating_point Real, int bytes>
+class BasicPack {
+ public:
+  using value_type = Real;
+  static constexpr std::size_t size() { return bytes / sizeof(Real); }
+
+  BasicPack() = default;
+  // The same value in each lane. Only a Real or an integer converts by itself.
+  template <class Number>
+  requires std::is_arithmetic_v<Number>
+  explicit(!std::same_as<Number, Real> && !std::same_as<Number, int>) BasicPack(Number value)
+      : lanes_(Register{} + static_cast<Real>(value)) {}
+  explicit BasicPack(const Real* values) { copy_from(values); }  // size() of them, of any alignment
+  // value_of(0), value_of(1) … by the number of the lane, an int.
+  template <std::invocable<int> ValueOf>
+  explicit BasicPack(ValueOf&& value_of) {
+    unrolled<int(size())>([&](int lane) { lanes_[lane] = value_of(lane); });
+  }
+
+  void copy_from(const Real* values) { std::memcpy(&lanes_, values, sizeof lanes_); }
+  void copy_to(Real* values) const { std::memcpy(values, &lanes_, sizeof lanes_); }
+  Real operator[](std::size_t lane) const { return lanes_[lane]; }
+
+  BasicPack operator-() const { return of(-lanes_); }
+  BasicPack& operator+=(const BasicPack& b) { return *this = *this + b; }
+  BasicPack& operator-=(const BasicPack& b) { return *this = *this - b; }
+  BasicPack& operator*=(const BasicPack& b) { return *this = *this * b; }
+  BasicPack& operator/=(const BasicPack& b) { return *this = *this / b; }
+  friend BasicPack operator+(const BasicPack& a, const BasicPack& b) { return of(a.lanes_ + b.lanes_); }
+  friend BasicPack operator-(const BasicPack& a, const BasicPack& b) { return of(a.lanes_ - b.lanes_); }
+  friend BasicPack operator*(const BasicPack& a, const BasicPack& b) { return of(a.lanes_ * b.lanes_); }
+  friend BasicPack operator/(const BasicPack& a, const BasicPack& b) { return of(a.lanes_ / b.lanes_); }
+  friend LaneMask<BasicPack> operator<(const BasicPack& a, const BasicPack& b) {
+    return {a.lanes_ < b.lanes_};
+  }
+  friend BasicPack min(const BasicPack& a, const BasicPack& b) {  // a where they are equal or one is NaN
+    return of(b.lanes_ < a.lanes_ ? b.lanes_ : a.lanes_);
+  }
+  friend BasicPack max(const BasicPack& a, const BasicPack& b) {  // a where they are equal or one is NaN
+    return of(a.lanes_ < b.lanes_ ? b.lanes_ : a.lanes_);
+  }
+  friend BasicPack abs(const BasicPack& a) {
+    using Bits = typename LaneMask<BasicPack>::Bits;
+    constexpr auto all_but_sign = std::numeric_limits<typename LaneMask<BasicPack>::Bit>::max();
+    return std::bit_cast<BasicPack>(std::bit_cast<Bits>(a) & (Bits{} + all_but_sign));
+  }
+  friend BasicPack sqrt(const BasicPack& a) {
+    return BasicPack([&](int lane) { return std::sqrt(a.lanes_[lane]); });
+  }
+  friend Real hmin(const BasicPack& a) {  // the smallest of the lanes
+    Real smallest = a.lanes_[0];
+    for (std::size_t lane = 1; lane < size(); ++lane)
+      if (a.lanes_[lane] < smallest) smallest = a.lanes_[lane];
+    return smallest;
+  }
+  friend Real reduce(const BasicPack& a) {  // the sum, from the first lane to the last
+    Real sum = a.lanes_[0];
+    for (std::size_t lane = 1; lane < size(); ++lane) sum += a.lanes_[lane];
+    return sum;
+  }
+
+ private:
+  using Register [[gnu::vector_size(bytes)]] = Real;
+  static BasicPack of(const Register& lanes) { return std::bit_cast<BasicPack>(lanes); }
+
+  Register lanes_;
+};
+
+#if defined(__AVX512F__)
+inline constexpr int register_bytes = 64;
+#elif defined(__AVX__)
+inline constexpr int register_bytes = 32;
+#else
+inline constexpr int register_bytes = 16;
+#endif
+template <class Real>
+using Pack = BasicPack<Real, register_bytes>;
 
 // Loads and stores vectors of four numbers, the last of which is padding. In memory they lie one vector after
 // the other; packs have one component of all lanes each. A load or store per component and lane would be
@@ -110,10 +190,9 @@ class PaddedVectors {
 
 namespace Eigen {
 
-template <class Scalar, class Abi>
-struct NumTraits<std::experimental::simd<Scalar, Abi>>
-    : GenericNumTraits<std::experimental::simd<Scalar, Abi>> {
-  using Real = std::experimental::simd<Scalar, Abi>;
+template <class Scalar, int bytes>
+struct NumTraits<lobe::BasicPack<Scalar, bytes>> : GenericNumTraits<lobe::BasicPack<Scalar, bytes>> {
+  using Real = lobe::BasicPack<Scalar, bytes>;
   using NonInteger = Real;
   using Nested = Real;
   using Literal = Real;

@@ -15,12 +15,11 @@ struct ElementLanes {
 
   ElementLanes(const ElementBlock<Real>& block, int first,
                const PaddedVector<Real>* u)  // per vertex of the patch [m]
-      : V(&block.V[first], std::experimental::element_aligned) {
+      : V(&block.V[first]) {
     Mat34<T> at_corners;
     unrolled<4>(
         [&](int c) { at_corners.col(c) = PaddedVectors<T>::load(&u->xyz0[0], &block.corners[c][first]); });
-    for (int i = 0; i < 9; ++i)
-      alpha(i % 3, i / 3).copy_from(&block.alpha[i][first], std::experimental::element_aligned);
+    for (int i = 0; i < 9; ++i) alpha(i % 3, i / 3).copy_from(&block.alpha[i][first]);
     H = displacement_gradient(at_corners, alpha);
   }
 
@@ -37,8 +36,7 @@ struct ElementLanes {
 
   static Vec3<T> direction(const FibreBlock<Real>& block, int first) {
     Vec3<T> a;
-    for (int i = 0; i < 3; ++i)
-      a[i].copy_from(&block.direction[i][first], std::experimental::element_aligned);
+    for (int i = 0; i < 3; ++i) a[i].copy_from(&block.direction[i][first]);
     return a;
   }
 

@@ -88,7 +88,7 @@ LOBE_FLATTEN void volume_strains(const PatchArrays<Real>& patch, Real* rows) {
     for (int first = 0; first < width; first += Lanes::count) {
       const Lanes e(patch.blocks[b], first, patch.u);
       const Pack<Real> strain = e.V * strain_trace(e.H);
-      strain.copy_to(rows + b * width + first, std::experimental::element_aligned);
+      strain.copy_to(rows + b * width + first);
     }
 }
 
@@ -108,7 +108,7 @@ LOBE_FLATTEN Real add_stiffness_of(const PatchArrays<Real>& patch, Real* sums) {
     for (int first = 0; first < ElementBlock<Real>::width; first += Lanes::count) {
       const Lanes e(patch.blocks[b], first, patch.u);
       const T ratio = T(1) + volume_change(e.H);
-      smallest = min(ratio, smallest);  // where() of libstdc++ is wrong with clang and AVX-512
+      smallest = min(ratio, smallest);
       Law<T> law = law_of<solid>(patch, b, first);
       law.terms = solid;
       law.terms.volume = patch.law.terms.volume;
@@ -151,8 +151,7 @@ LOBE_FLATTEN void add_forces_of_terms(const TermBlocks<Real, Terms>& terms, cons
     prefetch(&block);
     for (int first = 0; first < block.width; first += int(T::size())) {
       T c[Terms::size];
-      for (int k = 0; k < Terms::size; ++k)
-        c[k].copy_from(&block.values[k][first], std::experimental::element_aligned);
+      for (int k = 0; k < Terms::size; ++k) c[k].copy_from(&block.values[k][first]);
       Vec3<T> at[n], f[n];
       unrolled<n>([&](int i) { at[i] = PaddedVectors<T>::load(u, &block.vertices[i][first]); });
       if constexpr (n == 1) f[0] = vertex_force(c, at[0]);
@@ -188,8 +187,7 @@ LOBE_FLATTEN void add_edge_forces(const EdgeBlock<Real>* blocks, Index count, co
       const Vec3<T> d = PaddedVectors<T>::load(&u->xyz0[0], &corners[1][first]) -
                         PaddedVectors<T>::load(&u->xyz0[0], &corners[0][first]);
       Mat3<T> K;
-      for (int i = 0; i < 9; ++i)
-        K(i % 3, i / 3).copy_from(&blocks[b].K[i][first], std::experimental::element_aligned);
+      for (int i = 0; i < 9; ++i) K(i % 3, i / 3).copy_from(&blocks[b].K[i][first]);
       Eigen::Matrix<T, 3, 2> forces;
       forces.col(0) = -K.lazyProduct(d);
       forces.col(1) = K.transpose().lazyProduct(d);

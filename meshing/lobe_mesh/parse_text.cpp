@@ -47,6 +47,7 @@ Polygons parse_obj(const FileText& file) {
       "surf",   "parm", "deg", "cstype", "shadow_obj", "trace_obj", "bevel", "end"};
   Polygons polygons;
   Lines lines(file);
+  lines.continue_after_backslash();
   Words words;
   while (lines.next(words)) {
     if (words[0] == "v") {

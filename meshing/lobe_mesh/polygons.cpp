@@ -97,22 +97,27 @@ Surface to_surface(const Polygons& polygons, const FileText& file) {
 bool Lines::next(std::vector<std::string_view>& words) {
   const std::string_view text = file_.text;
   const std::string_view blanks = " \t\r\v\f";
+  words.clear();
+  bool goes_on = false;
   while (position_ < text.size()) {
     const std::size_t end = std::min(text.find('\n', position_), text.size());
     std::string_view line = text.substr(position_, end - position_);
     position_ = end + 1;
     ++number_;
+    if (!goes_on) first_ = number_;
     line = line.substr(0, line.find('#'));
-    words.clear();
+    line = line.substr(0, line.find_last_not_of(blanks) + 1);
+    goes_on = continues_ && line.ends_with('\\');
+    if (goes_on) line.remove_suffix(1);
     for (std::size_t i = line.find_first_not_of(blanks); i != line.npos;
          i = line.find_first_not_of(blanks, i)) {
       const std::size_t stop = std::min(line.find_first_of(blanks, i), line.size());
       words.push_back(line.substr(i, stop - i));
       i = stop;
     }
-    if (!words.empty()) return true;
+    if (!words.empty() && !goes_on) return true;
   }
-  return false;
+  return !words.empty();
 }
 
 std::optional<double> to_number(std::string_view word) {

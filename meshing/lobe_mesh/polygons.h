@@ -32,18 +32,20 @@ Polygons parse_ply(const FileText& file);
 Surface to_surface(const Polygons& polygons, const FileText& file);
 
 // Lines of a text with their numbers; a comment from `#` on and surrounding blanks are cut off, empty lines
-// skipped.
+// skipped. In some formats a backslash at its end continues a line.
 class Lines {
  public:
   explicit Lines(const FileText& file, std::size_t start = 0) : file_(file), position_(start) {}
+  void continue_after_backslash() { continues_ = true; }
   bool next(std::vector<std::string_view>& words);
-  std::size_t number() const { return number_; }
-  void count_from(std::size_t number) { number_ = number; }
+  std::size_t number() const { return first_; }  // of the line in which the words begin
+  void count_from(std::size_t number) { number_ = first_ = number; }
 
  private:
   const FileText& file_;
+  bool continues_ = false;
   std::size_t position_ = 0;
-  std::size_t number_ = 0;
+  std::size_t number_ = 0, first_ = 0;  // of the last line that was read, and of the first of its words
 };
 
 std::optional<double> to_number(std::string_view word);  // accepts nan and inf

@@ -45,6 +45,16 @@ TEST_CASE("ascii STL and PLY, quadrilaterals and negative OBJ indices are read")
   CHECK(read_surface(folder.write("p.ply", ply)).triangle_count() == 1);
 }
 
+TEST_CASE("a backslash continues a line of OBJ, and faults name the line where it begins") {
+  const SurfaceFolder folder;
+  const std::string points = "v 0 0 \\\n0\nv 2 0 0\nv 2 1 0\nv 0 1 0\n";
+  const Surface quad = read_surface(folder.write("q.obj", points + "f 1 2 \\ \r\n 3 \\\n4\n"));
+  CHECK(quad.point_count() == 4);
+  CHECK(quad.triangle_count() == 2);
+  const auto wrong = folder.write("r.obj", points + "f 1 2 \\\nx\n");
+  CHECK(contains(input_error([&] { read_surface(wrong); }), "line 6"));
+}
+
 TEST_CASE("a concave polygon is triangulated inside its outline") {
   const SurfaceFolder folder;
   const Surface arrow =

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "lobe/error.h"
+#include "lobe/text.h"
 #include "lobe_mesh/label_image_parts.h"
 
 namespace lobe::meshing {
@@ -27,6 +28,31 @@ std::vector<std::int32_t> copied(const std::string& file, const void* data, std:
   return labels;
 }
 
+// Whole numbers that are stored as floating-point ones.
+template <class Value>
+std::vector<std::int32_t> whole_values(const std::string& file, const void* data,
+                                       const std::array<Index, 3>& size) {
+  const auto* values = static_cast<const Value*>(data);
+  const std::size_t nx = std::size_t(size[0]), ny = std::size_t(size[1]),
+                    count = nx * ny * std::size_t(size[2]);
+  std::vector<std::int32_t> labels(count);
+  std::size_t others = 0, first = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    const double value = static_cast<double>(values[i]);
+    if (std::abs(value) <= 2147483647.0 && value == std::floor(value))
+      labels[i] = static_cast<std::int32_t>(value);
+    else if (others++ == 0)
+      first = i;
+  }
+  if (others == 0) return labels;
+  const std::size_t place[] = {first % nx, first / nx % ny, first / nx / ny};
+  throw InputError(file, std::to_string(others) + " of its " + std::to_string(count) +
+                             " voxels are no whole numbers below 2^31, the first is " +
+                             exact(static_cast<double>(values[first])) + " at (" + std::to_string(place[0]) +
+                             ", " + std::to_string(place[1]) + ", " + std::to_string(place[2]) +
+                             "): a label image is expected, not an intensity image");
+}
+
 }  // namespace
 
 std::array<Index, 3> checked_size(const std::string& file, const std::array<double, 3>& size) {
@@ -40,8 +66,9 @@ std::array<Index, 3> checked_size(const std::string& file, const std::array<doub
   return {static_cast<Index>(size[0]), static_cast<Index>(size[1]), static_cast<Index>(size[2])};
 }
 
-std::vector<std::int32_t> to_labels(const std::string& file, const void* data, std::size_t count,
-                                    VoxelType type) {
+std::vector<std::int32_t> to_labels(const std::string& file, const void* data,
+                                    const std::array<Index, 3>& size, VoxelType type) {
+  const std::size_t count = std::size_t(size[0]) * std::size_t(size[1]) * std::size_t(size[2]);
   switch (type) {
     case VoxelType::int8:
       return copied<std::int8_t>(file, data, count);
@@ -59,6 +86,10 @@ std::vector<std::int32_t> to_labels(const std::string& file, const void* data, s
       return copied<std::int64_t>(file, data, count);
     case VoxelType::uint64:
       return copied<std::uint64_t>(file, data, count);
+    case VoxelType::float32:
+      return whole_values<float>(file, data, size);
+    case VoxelType::float64:
+      return whole_values<double>(file, data, size);
     case VoxelType::other:
       break;
   }
@@ -68,8 +99,8 @@ std::vector<std::int32_t> to_labels(const std::string& file, const void* data, s
 void check_type(const std::string& file, VoxelType type) {
   if (type != VoxelType::other) return;
   throw InputError(file,
-                   "its voxels are not whole numbers: a label image is expected, not an intensity image; "
-                   "save the segmentation with an integer type");
+                   "its voxels are no numbers, or of a type that is not read: save the segmentation with an "
+                   "integer type");
 }
 
 void check_axes(const std::string& file, const Mat34<double>& to_world) {

@@ -29,6 +29,10 @@ VoxelType type_of(const nifti_image& image) {
       return VoxelType::int64;
     case DT_UINT64:
       return VoxelType::uint64;
+    case DT_FLOAT32:
+      return VoxelType::float32;
+    case DT_FLOAT64:
+      return VoxelType::float64;
     default:
       return VoxelType::other;
   }
@@ -70,7 +74,7 @@ LabelImage read_nifti(const std::string& file) {
   check_axes(file, image.to_world);
   check_type(file, type_of(*nifti));
   if (nifti_image_load(nifti.get()) != 0) throw InputError(file, "truncated: voxels are missing");
-  image.values = to_labels(file, nifti->data, static_cast<std::size_t>(nifti->nvox), type_of(*nifti));
+  image.values = to_labels(file, nifti->data, image.size, type_of(*nifti));
   return image;
 }
 

@@ -49,6 +49,10 @@ VoxelType type_of(const Nrrd& nrrd) {
       return VoxelType::int64;
     case nrrdTypeULLong:
       return VoxelType::uint64;
+    case nrrdTypeFloat:
+      return VoxelType::float32;
+    case nrrdTypeDouble:
+      return VoxelType::float64;
     default:
       return VoxelType::other;
   }
@@ -115,7 +119,7 @@ LabelImage read_nrrd(const std::string& file) {
     check_type(file, type_of(*header));
   }
   const NrrdOwner nrrd = load(file, false);
-  image.values = to_labels(file, nrrd->data, nrrdElementNumber(nrrd.get()), type_of(*nrrd));
+  image.values = to_labels(file, nrrd->data, image.size, type_of(*nrrd));
   return image;
 }
 

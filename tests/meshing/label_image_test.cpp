@@ -135,13 +135,27 @@ TEST_CASE("NIfTI images are read with spacing, origin, orientation and unit") {
   CHECK(read_label_image(packed).values == image.values);
 }
 
+TEST_CASE("whole numbers that are stored as floating-point ones are labels") {
+  const SurfaceFolder folder;
+  const std::vector<std::int32_t> expected{0, 1, 2, 0, 0, 7};
+  const float singles[] = {0, 1, 2, 0, 0, 7};
+  std::string bytes = nifti(std::string(reinterpret_cast<const char*>(singles), sizeof singles));
+  put<std::int16_t>(bytes, 70, 16);
+  put<std::int16_t>(bytes, 72, 32);
+  CHECK(read_label_image(folder.write("a.nii", bytes)).values == expected);
+  const std::string text = nrrd_header("type: double\nencoding: ascii\n" + lps) + "0 1 2 0 -0 7\n";
+  CHECK(read_label_image(folder.write("a.nrrd", text)).values == expected);
+}
+
 TEST_CASE("images that are no segmentations are refused with the reason") {
   const SurfaceFolder folder;
   const auto refusal = [&](const std::string& name, const std::string& text) {
     return input_error([&] { read_label_image(folder.write(name, text)); });
   };
-  CHECK(contains(refusal("a.nrrd", nrrd_header("type: float\nencoding: raw\n" + lps) + std::string(24, '\0')),
-                 "not whole numbers"));
+  CHECK(contains(refusal("a.nrrd", nrrd_header("type: float\nencoding: ascii\n" + lps) + "0 1 2 0 0.5 nan\n"),
+                 "2 of its 6 voxels are no whole numbers below 2^31, the first is 0.5 at (1, 1, 0)"));
+  CHECK(contains(refusal("a.nrrd", nrrd_header("type: double\nencoding: ascii\n" + lps) + "0 1 2 0 0 3e9\n"),
+                 "the first is 3e+09 at (2, 1, 0)"));
   CHECK(contains(refusal("a.nrrd", nrrd_header("type: uchar\nencoding: raw\n" + lps) + "abc"), "teem"));
   CHECK(contains(refusal("a.nrrd", nrrd_header("type: uchar\nencoding: raw\n" + lps, "30000 30000 30000")),
                  "too large"));
@@ -161,10 +175,10 @@ TEST_CASE("images that are no segmentations are refused with the reason") {
   std::string bytes = nifti();
   put<std::int16_t>(bytes, 254, 0);
   CHECK(contains(refusal("a.nii", bytes), "orientation"));
-  bytes = nifti(std::string(24, '\0'));
-  put<std::int16_t>(bytes, 70, 16);  // float
-  put<std::int16_t>(bytes, 72, 32);
-  CHECK(contains(refusal("a.nii", bytes), "not whole numbers"));
+  bytes = nifti(std::string(48, '\0'));
+  put<std::int16_t>(bytes, 70, 32);  // complex
+  put<std::int16_t>(bytes, 72, 64);
+  CHECK(contains(refusal("a.nii", bytes), "save the segmentation with an integer type"));
   bytes = nifti();
   put<float>(bytes, 112, 0.5F);  // slope
   CHECK(contains(refusal("a.nii", bytes), "scaled"));

@@ -112,7 +112,7 @@ std::pair<Scene, Resolved> load(const Arguments& options) {
   if (temporary && is_beside(scene)) temporary->mesh = mesh_path(scene);
   if (!options.mesh.empty()) scene.mesh = std::filesystem::absolute(options.mesh);
   MeshFile mesh = read_mesh(mesh_path(scene));
-  print_warnings(mesh.prepared.warnings());
+  print_warnings(mesh.warnings());
   const auto resolved_with_progress = [&] {
     ProgressBar bar("choosing regions");
     return resolve(scene, std::move(mesh.mesh), {true, [&](double fraction) { bar.show(fraction); }});

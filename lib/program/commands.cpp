@@ -38,7 +38,7 @@ Loaded load(const SceneOptions& options, bool choose_regions = true) {
   Scene scene = read_scene(options.scene);
   if (!options.mesh.empty()) scene.mesh = std::filesystem::absolute(options.mesh);
   MeshFile mesh = read_mesh(mesh_path(scene));
-  std::vector<std::string> warnings = mesh.prepared.warnings();
+  std::vector<std::string> warnings = mesh.warnings();
   ProgressBar bar("choosing regions");
   Resolved resolved =
       resolve(scene, std::move(mesh.mesh), {choose_regions, [&](double fraction) { bar.show(fraction); }});
@@ -168,7 +168,7 @@ int info(const InfoOptions& options) {
       !std::isfinite(e.mu) || !std::isfinite(e.density))
     throw InputError("material", "needs finite mu > 0, 3 lambda + 2 mu > 0 and density > 0");
   const MeshFile file = read_mesh(options.mesh);
-  print_warnings(file.prepared.warnings());
+  print_warnings(file.warnings());
   const Json j = info_json(file, options);
   if (options.json)
     std::cout << j.dump(1, ' ', false, Json::error_handler_t::replace) << '\n';

@@ -40,7 +40,7 @@ int refine(const RefineOptions& options) {
   if (!can_write_mesh(options.output))
     throw InputError(options.output.string(), "no mesh is written with this extension; .vtu is");
   MeshFile file = read_mesh(options.mesh);
-  print_warnings(file.prepared.warnings());
+  print_warnings(file.warnings());
   const Index before = file.mesh.tet_count();
   if (options.tets > 0)
     while (file.mesh.tet_count() < options.tets) refine_once(file);

@@ -86,6 +86,39 @@ TEST_CASE("Gmsh 1: node numbers with gaps, regions as labels, elements of other 
   CHECK(total_volume(file.mesh) == near(1.0 / 6 + 2.5 / 6, 1e-15));
 }
 
+TEST_CASE("Gmsh: without groups labels are the numbers of the volumes, if there are several") {
+  const std::string note = "no tetrahedron is in a physical group: labels are the numbers of the volumes";
+  const MeshFile one = read_gmsh(nodes1 + "$ELM\n2\n1 4 0 1 4 10 7 4 2\n2 4 0 2 4 7 4 2 8\n$ENDELM\n");
+  CHECK(one.mesh.labels == std::vector<int>{1, 2});
+  CHECK(one.notes == std::vector<std::string>{note});
+  const std::string nodes2 =
+      format22 + "$Nodes\n5\n10 0 0 0\n7 1 0 0\n4 0 1 0\n2 0 0 1\n8 1 1 1.5\n$EndNodes\n";
+  const std::string elements2 =
+      "$Elements\n3\n1 2 2 11 1 10 7 4\n2 4 2 0 6 10 7 4 2\n3 4 2 0 9 7 4 2 8\n$EndElements\n";
+  CHECK(read_gmsh(nodes2 + elements2).mesh.labels == std::vector<int>{6, 9});
+  CHECK(read_gmsh(nodes2 + fixture::edited(elements2, "2 0 9", "2 0 6")).mesh.labels ==
+        std::vector<int>{0, 0});
+  const MeshFile grouped = read_gmsh(nodes2 + fixture::edited(elements2, "2 0 9", "2 3 9"));
+  CHECK(grouped.mesh.labels == std::vector<int>{0, 3});
+  CHECK(grouped.notes.empty());
+  const std::string entities = fixture::edited(entities41, "1 1 1 2 -6 8 1 1", "1 1 1 0 0");
+  CHECK(read_gmsh(format41 + entities + nodes41 + tets41).mesh.labels == std::vector<int>{4, 5});
+}
+
+TEST_CASE("Gmsh: of ten-node tetrahedra the corners are taken") {
+  const std::string nodes =
+      "$Nodes\n10\n1 .5 0 0\n2 .5 .5 0\n3 0 .5 0\n4 0 0 .5\n5 0 .5 .5\n6 .5 0 .5\n"
+      "7 0 0 0\n8 1 0 0\n9 0 1 0\n10 0 0 1\n$EndNodes\n";
+  const MeshFile file = read_gmsh(format22 + nodes +
+                                  "$Elements\n2\n1 11 2 5 9 7 8 9 10 1 2 3 4 5 6\n"
+                                  "2 9 2 1 1 7 8 9 1 2 3\n$EndElements\n");
+  CHECK(file.mesh.points.cols() == 4);
+  CHECK(file.mesh.points.col(1) == Vec3d(1, 0, 0));
+  CHECK(file.mesh.labels == std::vector<int>{5});
+  CHECK(file.ignored_cells == 1);
+  CHECK(total_volume(file.mesh) == near(1.0 / 6, 1e-15));
+}
+
 TEST_CASE("Gmsh 1: the sections may be in lines of Windows and end in any case") {
   std::string text = nodes1 + "$ELM\n1\n1 4 0 0 4 10 7 4 2\n$EndElm\n";
   for (std::size_t at = 0; (at = text.find('\n', at)) != text.npos; at += 2) text.replace(at, 1, "\r\n");
@@ -138,7 +171,7 @@ TEST_CASE("Gmsh: bad files are refused at their line") {
   CHECK_CONTAINS(fault_in_gmsh(format22 + nodes22 + "$Elements\n1\n1 777 0 10 7 2 2\n"),
                  "unknown element type 777");
   CHECK_CONTAINS(fault_in_gmsh(format22 + nodes22 + "$Elements\n1\n1 2 0 10 7 2\n$EndElements"),
-                 "has no 4-node tetrahedron, only 1 other cells");
+                 "has no tetrahedron, only 1 triangle");
   CHECK_CONTAINS(fault_in_gmsh(format22 + nodes22 + "$Elements\n1\n1 4 0 10 7 7 2\n$EndElements"),
                  "uses a vertex twice");
   CHECK_CONTAINS(fault_in_gmsh(format22 + fixture::edited(nodes22, "7 1 0 0", "7 inf 0 0") + tet22),

@@ -24,6 +24,15 @@ TEST_CASE("MEDIT: comments and sections of no interest are skipped") {
   CHECK(file.ignored_cells == 1);
 }
 
+TEST_CASE("MEDIT: of ten-node tetrahedra the corners are taken") {
+  const std::string ten =
+      "Vertices 10\n0 0 0 0\n1 0 0 0\n0 1 0 0\n0 0 1 0\n.5 0 0 0\n.5 .5 0 0\n0 .5 0 0\n0 0 .5 0\n"
+      ".5 0 .5 0\n0 .5 .5 0\n";
+  const MeshFile file = read_medit(medit_head + ten + "TetrahedraP2 1\n1 2 3 4 5 6 7 8 9 10 3\nEnd");
+  CHECK(file.mesh.points.cols() == 4);
+  CHECK(file.mesh.labels == std::vector<int>{3});
+}
+
 TEST_CASE("MEDIT: an inside-out tetrahedron is turned round") {
   CHECK(read_medit(medit_head + vertices + "Tetrahedra 1\n1 3 2 4 0\nEnd").prepared.reoriented == 1);
 }
@@ -42,7 +51,7 @@ TEST_CASE("MEDIT: bad files are refused at their line") {
   CHECK_CONTAINS(fault_in_medit(medit_head + "Vertices 1\n0 0 zero 0"), "'zero', expected a coordinate");
   CHECK_CONTAINS(fault_in_medit(medit_head + "Vertices 4000000\n0 0 0 0"), "4000000 vertices are announced");
   CHECK_CONTAINS(fault_in_medit(medit_head + vertices + "Triangles 1\n1 2 3 0\nEnd"),
-                 "has no 4-node tetrahedron");
+                 "has no tetrahedron, only 1 triangle");
   CHECK_CONTAINS(fault_in_medit(medit_head + vertices + "End"), "has no tetrahedron");
   CHECK_CONTAINS(fault_in_medit(fixture::edited(medit_head + vertices, "1 0 0 0", "nan 0 0 0") +
                                 "Tetrahedra 1\n1 2 3 4 0"),

@@ -29,6 +29,15 @@ TEST_CASE("TetGen: either name of the pair finds the other") {
         read_mesh(fixture::data / "tetgen.ele").mesh.tets);
 }
 
+TEST_CASE("TetGen: of ten-node tetrahedra the corners are taken") {
+  const std::string ten =
+      "10 3 0 0\n0 0 0 0\n1 1 0 0\n2 0 1 0\n3 0 0 1\n4 0 .5 .5\n5 0 0 .5\n6 0 .5 0\n7 .5 .5 0\n"
+      "8 .5 0 .5\n9 .5 0 0\n";
+  const MeshFile file = read_tetgen(ten, "1 10 1\n0 0 1 2 3 4 5 6 7 8 9 8\n");
+  CHECK(file.mesh.points.cols() == 4);
+  CHECK(file.mesh.labels == std::vector<int>{8});
+}
+
 TEST_CASE("TetGen: tetrahedra without a region have label 0") {
   CHECK(read_tetgen(nodes, "1 4 0\n1 1 2 3 4").mesh.labels == std::vector<int>{0});
 }
@@ -37,7 +46,8 @@ TEST_CASE("TetGen: bad files are refused at their line") {
   CHECK_CONTAINS(fault_in_tetgen(nodes, "1 4 0\n1 0 2 3 4"),
                  "t.ele:2: a vertex of a tetrahedron is 0, expected 1 … 4");
   CHECK_CONTAINS(fault_in_tetgen(nodes, "1 4 0\n1 1 2 3 5"), "is 5, expected 1 … 4");
-  CHECK_CONTAINS(fault_in_tetgen(nodes, "1 10 0\n1 1 2 3 4 5 6 7 8 9 10"), "run TetGen without -o2");
+  CHECK_CONTAINS(fault_in_tetgen(nodes, "1 5 0\n1 1 2 3 4 5"), "tetrahedra of 5 vertices, expected 4 or 10");
+  CHECK_CONTAINS(fault_in_tetgen(nodes, "1 10 0\n1 1 2 3 4 5 6 7 8 9 10"), "is 5, expected 1 … 4");
   CHECK_CONTAINS(fault_in_tetgen(nodes, "1 4 1\n1 1 2 3 4 1.5"),
                  "the region of a tetrahedron must be a whole number");
   CHECK_CONTAINS(fault_in_tetgen(nodes, "100 4 0\n1 1 2 3 4"), "100 tetrahedra are announced");

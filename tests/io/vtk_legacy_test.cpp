@@ -34,6 +34,63 @@ TEST_CASE("legacy VTK: without labels they are 0") {
   CHECK(read_legacy(legacy_head + points + cells).mesh.labels == std::vector<int>{0, 0});
 }
 
+TEST_CASE("legacy VTK: labels are the only array of whole numbers, whatever its name, and that is said") {
+  const std::string head = legacy_head + points + cells + "CELL_DATA 2\n";
+  const std::string density = "SCALARS density double\nLOOKUP_TABLE default\n1000 1060\n";
+  const std::string materials = "SCALARS Materials unsigned_char\nLOOKUP_TABLE default\n1 65\n";
+  const std::string ids = "GLOBAL_IDS GlobalElementID vtkIdType\n7 8\n";
+  const MeshFile file = read_legacy(head + density + ids + materials);
+  CHECK(file.mesh.labels == std::vector<int>{1, 65});
+  CHECK(file.warnings() ==
+        std::vector<std::string>{"labels are those of the cell array \"Materials\" (1, 65)"});
+  const MeshFile none = read_legacy(head + density + ids);
+  CHECK(none.mesh.labels == std::vector<int>{0, 0});
+  CHECK(none.warnings().empty());
+}
+
+TEST_CASE("legacy VTK: between several arrays of whole numbers it does not choose, but names them") {
+  const std::string arrays = "CELL_DATA 2\nFIELD f 2\nModelRegionID 1 2 int\n1 2\nattribute 1 2 long\n5 5\n";
+  const MeshFile file = read_legacy(legacy_head + points + cells + arrays);
+  CHECK(file.mesh.labels == std::vector<int>{0, 0});
+  REQUIRE(file.notes.size() == 1);
+  CHECK_CONTAINS(file.notes[0],
+                 "several cell arrays of whole numbers, \"ModelRegionID\" (1, 2), \"attribute\" (5)");
+  const MeshFile known =
+      read_legacy(legacy_head + points + cells + arrays + "SCALARS label int\nLOOKUP_TABLE d\n8 9\n");
+  CHECK(known.mesh.labels == std::vector<int>{8, 9});
+  CHECK(known.notes.empty());
+}
+
+TEST_CASE("legacy VTK: numbers that tell cells apart are no labels") {
+  std::string text = legacy_head + "POINTS 104 float\n0 0 0 1 0 0 0 1 0 ", connectivity, types, ids, labels;
+  for (int i = 0; i < 101; ++i) {
+    text += "0 0 " + std::to_string(i + 1) + " ";
+    connectivity += i == 0 ? "4 0 1 2 3\n" : "3 0 1 2\n";
+    types += i == 0 ? "10 " : "5 ";
+    ids += std::to_string(900 - i) + " ";
+    labels += std::to_string(i % 2) + " ";
+  }
+  const MeshFile file = read_legacy(text + "\nCELLS 101 405\n" + connectivity + "CELL_TYPES 101\n" + types +
+                                    "\nCELL_DATA 101\nFIELD f 2\nnumber 1 101 int\n" + ids +
+                                    "\nhalf 1 101 int\n" + labels + "\n");
+  CHECK(file.notes == std::vector<std::string>{"labels are those of the cell array \"half\" (0)"});
+}
+
+TEST_CASE("legacy VTK: of ten-node tetrahedra the corners are taken") {
+  const std::string ten =
+      "POINTS 11 float\n9 9 9 0 0 0 1 0 0 0 1 0 0 0 1 .5 0 0 .5 .5 0 0 .5 0 0 0 .5 .5 0 .5 0 .5 .5\n";
+  const MeshFile file =
+      read_legacy(legacy_head + ten + "CELLS 2 14\n10 1 2 3 4 5 6 7 8 9 10\n2 1 2\nCELL_TYPES 2\n24 3\n");
+  CHECK(file.mesh.tets == Tets(Eigen::Vector4i(1, 2, 3, 4)));
+  CHECK(file.mesh.vertex_count() == 5);  // the point of no cell stays
+  CHECK(file.ignored_cells == 1);
+  CHECK(file.notes ==
+        std::vector<std::string>{"1 tetrahedron has ten nodes: the corners are taken, 6 vertices in "
+                                 "the middle of edges are left out"});
+  CHECK_CONTAINS(fault_in_legacy(legacy_head + ten + "CELLS 1 10\n9 1 2 3 4 5 6 7 8 9\nCELL_TYPES 1\n24\n"),
+                 "cell 0: is a tetrahedron of 9 vertices, expected 10");
+}
+
 TEST_CASE("legacy VTK: bad files are refused at their line") {
   CHECK_CONTAINS(fault_in_legacy("solid x\n"), "v.vtk:1: expected '# vtk DataFile Version …'");
   CHECK_CONTAINS(fault_in_legacy("# vtk DataFile Version 7.0\n"), "unknown version, expected 2.0 … 5.1");
@@ -60,7 +117,7 @@ TEST_CASE("legacy VTK: bad files are refused at their line") {
       fault_in_legacy(legacy_head + points + fixture::edited(cells, "TYPES 2\n10 10", "TYPES 1\n10")),
       "1 cell types for 2 cells");
   CHECK_CONTAINS(fault_in_legacy(legacy_head + points + fixture::edited(cells, "10 10\n", "12 13\n")),
-                 "has no 4-node tetrahedron, only 2 other cells");
+                 "has no tetrahedron, only 1 hexahedron and 1 wedge; a surface is meshed");
   CHECK_CONTAINS(fault_in_legacy(legacy_head + fixture::edited(points, "1 1 1\n", "1 nan 1\n") + cells),
                  "vertex 4: its position is (1, nan, 1)");
   CHECK_CONTAINS(fault_in_legacy(legacy_head + fixture::edited(points, "1 1 1\n", "1 0 0\n") + cells),

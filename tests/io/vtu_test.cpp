@@ -77,7 +77,7 @@ TEST_CASE("VTU: bad files are refused, naming the line and the array") {
   CHECK_CONTAINS(fault_in_vtu_with("0 1 2 3 1", "0 1 2 -3 1"), "names vertex -3");
   CHECK_CONTAINS(fault_in_vtu_with(">4 8<", ">4 9<"), "cell 1: its offset is 9, expected 4 … 8");
   CHECK_CONTAINS(fault_in_vtu_with(">4 8<", ">4 3<"), "cell 1: its offset is 3");
-  CHECK_CONTAINS(fault_in_vtu_with(">10 10<", ">5 5<"), "has no 4-node tetrahedron, only 2 other cells");
+  CHECK_CONTAINS(fault_in_vtu_with(">10 10<", ">5 5<"), "has no tetrahedron, only 2 triangles");
   CHECK_CONTAINS(fault_in_vtu_with("1 1 1</", "1 1 nan</"), "vertex 4: its position is (1, 1, nan)");
   CHECK_CONTAINS(fault_in_vtu_with("1 1 1</", "1 0 0</"), "v.vtu: tetrahedron 1: is flat");
   CHECK_CONTAINS(fault_in_vtu_with("1 2 3 4</", "2 1 3 0</"), "has the same vertices");
@@ -94,6 +94,27 @@ TEST_CASE("VTU: bad files are refused, naming the line and the array") {
   CHECK_CONTAINS(fault_in_vtu_with("format=\"ascii\"", "format=\"appended\" offset=\"7\""),
                  "offset '7' is not within the 0 bytes of AppendedData");
   CHECK_CONTAINS(fault_in_vtu_with("format=\"ascii\"", "format=\"binary\""), "its data ends within");
+}
+
+TEST_CASE("VTU: labels under any name, ten-node tetrahedra, and the point data of what is left") {
+  const MeshFile file = read_vtu(
+      "<VTKFile type=\"UnstructuredGrid\"><UnstructuredGrid><Piece NumberOfPoints=\"10\" NumberOfCells=\"1\">"
+      "<PointData><DataArray type=\"Float32\" Name=\"p\">10 11 12 13 14 15 16 17 18 "
+      "19</DataArray></PointData>"
+      "<CellData><DataArray type=\"Int64\" Name=\"RegionId\">42</DataArray>"
+      "<DataArray type=\"Float64\" Name=\"density\">1000</DataArray></CellData>"
+      "<Points><DataArray type=\"Float64\" NumberOfComponents=\"3\" format=\"ascii\">"
+      ".5 0 0 .5 .5 0 0 .5 0 0 0 .5 .5 0 .5 0 .5 .5 0 0 0 1 0 0 0 1 0 0 0 1</DataArray></Points><Cells>"
+      "<DataArray type=\"Int32\" Name=\"connectivity\">6 7 8 9 0 1 2 3 4 5</DataArray>"
+      "<DataArray type=\"Int32\" Name=\"offsets\">10</DataArray>"
+      "<DataArray type=\"UInt8\" Name=\"types\">24</DataArray>"
+      "</Cells></Piece></UnstructuredGrid></VTKFile>");
+  CHECK(file.mesh.labels == std::vector<int>{42});
+  CHECK(file.mesh.tets == Tets(Eigen::Vector4i(0, 1, 2, 3)));
+  CHECK(file.mesh.points.col(3) == Vec3d(0, 0, 1));
+  CHECK(file.point_data.at("p") == Eigen::RowVector4d(16, 17, 18, 19));
+  CHECK(file.cell_data.at("density")(0, 0) == 1000);
+  CHECK(file.notes.size() == 2);
 }
 
 TEST_CASE("VTU: damaged compressed data is refused") {

@@ -1,6 +1,8 @@
 // Gmsh .msh 1 (ascii), 2.2 and 4.1 (ascii and binary). The last two share their sections and differ in their
 // layout; the same code reads text and binary numbers. Version 1 has $NOD and $ELM instead, and no
 // $MeshFormat.
+#include <algorithm>
+#include <functional>
 #include <map>
 #include <unordered_map>
 
@@ -9,7 +11,7 @@
 namespace lobe::io {
 namespace {
 
-constexpr int tetrahedron = 4;  // Gmsh's number of the element type
+constexpr int tetrahedron = 4, ten_node_tetrahedron = 11;  // Gmsh's numbers of element types
 
 // Nodes of each element type (gmsh.info, "MSH file format").
 const std::map<std::int64_t, std::size_t> nodes_of_type = {
@@ -17,6 +19,26 @@ const std::map<std::int64_t, std::size_t> nodes_of_type = {
     {10, 9},  {11, 10}, {12, 27}, {13, 18}, {14, 14}, {15, 1},  {16, 8},  {17, 20}, {18, 15},
     {19, 13}, {20, 9},  {21, 10}, {22, 12}, {23, 15}, {24, 15}, {25, 21}, {26, 4},  {27, 5},
     {28, 6},  {29, 20}, {30, 35}, {31, 56}, {92, 64}, {93, 125}};
+
+std::string kind_of(std::int64_t type) {
+  static const std::map<std::int64_t, std::string> kinds = {{1, "line"},
+                                                            {2, "triangle"},
+                                                            {3, "quadrangle"},
+                                                            {5, "hexahedron"},
+                                                            {6, "wedge"},
+                                                            {7, "pyramid"},
+                                                            {8, "three-node line"},
+                                                            {9, "six-node triangle"},
+                                                            {15, "vertex"},
+                                                            {12, "twenty-seven-node hexahedron"},
+                                                            {17, "twenty-node hexahedron"},
+                                                            {29, "tetrahedron of 20 nodes"},
+                                                            {30, "tetrahedron of 35 nodes"}};
+  const auto known = kinds.find(type);
+  return known == kinds.end() ? "element of type " + std::to_string(type) : known->second;
+}
+
+bool is_tetrahedron(std::int64_t type) { return type == tetrahedron || type == ten_node_tetrahedron; }
 
 class GmshReader {
  public:
@@ -37,6 +59,7 @@ class GmshReader {
     }
     if (raw_.coordinates.empty())
       scan_.fail("the file has no " + nodes_section() + " section; it is truncated");
+    label_by_entities();
     return std::move(raw_);
   }
 
@@ -171,12 +194,39 @@ class GmshReader {
     return found->second;
   }
 
-  void add_corner(std::int64_t element, std::int64_t node) {
+  Index vertex(std::int64_t element, std::int64_t node) const {
     const auto found = vertex_of_.find(node);
     if (found == vertex_of_.end())
       scan_.fail("element " + std::to_string(element) + " uses node " + std::to_string(node) + ", which " +
                  nodes_section() + " does not have");
-    raw_.corners.push_back(found->second);
+    return found->second;
+  }
+
+  // `next_node` reads the number of a node.
+  template <class NextNode>
+  void add_nodes(std::int64_t element, std::int64_t type, const NextNode& next_node) {
+    const std::size_t nodes = nodes_of(type);
+    if (!is_tetrahedron(type)) {
+      for (std::size_t k = 0; k < nodes; ++k) next_node();
+      ++raw_.ignored[kind_of(type)];
+      return;
+    }
+    vertices_.clear();
+    for (std::size_t k = 0; k < nodes; ++k) vertices_.push_back(vertex(element, next_node()));
+    if (type == tetrahedron)
+      raw_.corners.insert(raw_.corners.end(), vertices_.begin(), vertices_.end());
+    else
+      add_ten_node(vertices_, raw_);
+  }
+
+  // Where no tetrahedron has a group, and they are of several entities, these are the labels.
+  void label_by_entities() {
+    const auto is_0 = [](int label) { return label == 0; };
+    if (!std::all_of(raw_.labels.begin(), raw_.labels.end(), is_0)) return;
+    if (std::adjacent_find(entities_.begin(), entities_.end(), std::not_equal_to<>()) == entities_.end())
+      return;
+    for (std::size_t t = 0; t < entities_.size(); ++t) raw_.labels[t] = label(entities_[t]);
+    raw_.notes.push_back("no tetrahedron is in a physical group: labels are the numbers of the volumes");
   }
 
   // Each: number, type, physical group, entity, number of nodes, nodes.
@@ -185,12 +235,12 @@ class GmshReader {
     for (std::size_t i = 0; i < elements; ++i) {
       const std::int64_t element = scan_.integer("an element"), type = scan_.integer("an element type"),
                          group = scan_.integer("a physical group");
-      scan_.integer("the number of an entity");
+      const std::int64_t entity = scan_.integer("the number of an entity");
       const auto nodes = static_cast<std::int64_t>(nodes_of(type));
       if (const std::int64_t given = scan_.integer("the number of nodes"); given != nodes)
         scan_.fail("element " + std::to_string(element) + " has " + std::to_string(given) +
                    " nodes, expected " + std::to_string(nodes) + " of type " + std::to_string(type));
-      add_element(element, type, group);
+      add_element(element, type, group, entity);
     }
   }
 
@@ -215,22 +265,21 @@ class GmshReader {
 
   void read_element_2(std::int64_t element, std::int64_t type, std::int64_t tags) {
     if (tags < 0) scan_.fail(std::to_string(tags) + " tags, expected 0 or more");
-    std::int64_t group = 0;
+    std::int64_t group = 0, entity = 0;
     for (std::int64_t k = 0; k < tags; ++k) {
       const std::int64_t value = integer("a tag");
       if (k == 0) group = value;
+      if (k == 1) entity = value;
     }
-    add_element(element, type, group);
+    add_element(element, type, group, entity);
   }
 
-  void add_element(std::int64_t element, std::int64_t type, std::int64_t group) {
-    const std::size_t nodes = nodes_of(type);
-    if (type == tetrahedron) raw_.labels.push_back(label(group));
-    for (std::size_t k = 0; k < nodes; ++k) {
-      const std::int64_t node = integer("a node of an element");
-      if (type == tetrahedron) add_corner(element, node);
+  void add_element(std::int64_t element, std::int64_t type, std::int64_t group, std::int64_t entity) {
+    if (is_tetrahedron(type)) {
+      raw_.labels.push_back(label(group));
+      entities_.push_back(entity);
     }
-    if (type != tetrahedron) ++raw_.ignored_cells;
+    add_nodes(element, type, [&] { return integer("a node of an element"); });
   }
 
   void read_elements_4() {
@@ -244,18 +293,15 @@ class GmshReader {
       const std::size_t elements = count("elements", 2 + 2 * nodes, 8 + 8 * nodes);
       const auto volume = label_of_volume_.find(entity);
       const int group = dimension == 3 && volume != label_of_volume_.end() ? volume->second : 0;
-      for (std::size_t i = 0; i < elements; ++i) read_element_4(type, nodes, group);
+      for (std::size_t i = 0; i < elements; ++i) {
+        const std::int64_t element = tag("an element");
+        if (is_tetrahedron(type)) {
+          raw_.labels.push_back(group);
+          entities_.push_back(entity);
+        }
+        add_nodes(element, type, [&] { return tag("a node of an element"); });
+      }
     }
-  }
-
-  void read_element_4(std::int64_t type, std::size_t nodes, int group) {
-    const std::int64_t element = tag("an element");
-    if (type == tetrahedron) raw_.labels.push_back(group);
-    for (std::size_t k = 0; k < nodes; ++k) {
-      const std::int64_t node = tag("a node of an element");
-      if (type == tetrahedron) add_corner(element, node);
-    }
-    if (type != tetrahedron) ++raw_.ignored_cells;
   }
 
   Scanner scan_;
@@ -263,6 +309,8 @@ class GmshReader {
   int version_ = 0;
   std::unordered_map<std::int64_t, Index> vertex_of_;
   std::unordered_map<std::int64_t, int> label_of_volume_;
+  std::vector<std::int64_t> entities_;  // of each tetrahedron
+  std::vector<Index> vertices_;         // of the element that is read
 };
 
 }  // namespace

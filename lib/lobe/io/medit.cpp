@@ -6,10 +6,15 @@
 namespace lobe::io {
 namespace {
 
-// Cells that are ignored: how many vertices each has. Its reference follows them.
-const std::map<std::string, int> other_cells = {{"edges", 2},     {"triangles", 3}, {"quadrilaterals", 4},
-                                                {"hexahedra", 8}, {"prisms", 6},    {"pentahedra", 6},
-                                                {"pyramids", 5},  {"hexaedra", 8}};
+// Cells that are ignored: what one is called, and how many vertices it has. Its reference follows them.
+struct OtherCell {
+  const char* kind;
+  int vertices;
+};
+const std::map<std::string, OtherCell> other_cells = {
+    {"edges", {"line", 2}},           {"triangles", {"triangle", 3}},  {"quadrilaterals", {"quadrangle", 4}},
+    {"hexahedra", {"hexahedron", 8}}, {"hexaedra", {"hexahedron", 8}}, {"prisms", {"wedge", 6}},
+    {"pentahedra", {"wedge", 6}},     {"pyramids", {"pyramid", 5}}};
 
 bool starts_keyword(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); }
 
@@ -22,23 +27,27 @@ void read_vertices(Scanner& scan, RawMesh& raw) {
   }
 }
 
-void read_tetrahedra(Scanner& scan, RawMesh& raw) {
+// Of four or ten nodes.
+void read_tetrahedra(Scanner& scan, std::size_t nodes, RawMesh& raw) {
   const auto vertices = static_cast<std::int64_t>(raw.coordinates.size() / 3);
   if (vertices == 0) scan.fail("Tetrahedra before Vertices; the order must be the other way round");
-  const std::size_t count = scan.count("tetrahedra", 10);
-  raw.corners.reserve(4 * count);
+  const std::size_t count = scan.count("tetrahedra", 2 * nodes + 2);
+  raw.corners.reserve(raw.corners.size() + 4 * count);
+  std::vector<Index> corners(nodes);
   for (std::size_t i = 0; i < count; ++i) {
-    for (int k = 0; k < 4; ++k)
-      raw.corners.push_back(static_cast<Index>(scan.integer("a vertex of a tetrahedron", 1, vertices) - 1));
+    for (Index& v : corners)
+      v = static_cast<Index>(scan.integer("a vertex of a tetrahedron", 1, vertices) - 1);
+    nodes == 4 ? (void)raw.corners.insert(raw.corners.end(), corners.begin(), corners.end())
+               : add_ten_node(corners, raw);
     raw.labels.push_back(static_cast<int>(scan.integer("a reference", -max_index, max_index)));
   }
 }
 
-void skip_cells(Scanner& scan, int vertices, RawMesh& raw) {
-  const std::size_t count = scan.count("cells", 2 * static_cast<std::size_t>(vertices + 1));
+void skip_cells(Scanner& scan, const OtherCell& cell, RawMesh& raw) {
+  const std::size_t count = scan.count("cells", 2 * static_cast<std::size_t>(cell.vertices + 1));
   for (std::size_t i = 0; i < count; ++i)
-    for (int k = 0; k <= vertices; ++k) scan.integer("a vertex or reference of a cell");
-  raw.ignored_cells += static_cast<Index>(count);
+    for (int k = 0; k <= cell.vertices; ++k) scan.integer("a vertex or reference of a cell");
+  if (count > 0) raw.ignored[cell.kind] += static_cast<Index>(count);
 }
 
 void read_medit_header(Scanner& scan) {
@@ -60,7 +69,9 @@ RawMesh read_medit(const std::string& name, std::string_view bytes) {
     if (keyword == "vertices")
       read_vertices(scan, raw);
     else if (keyword == "tetrahedra")
-      read_tetrahedra(scan, raw);
+      read_tetrahedra(scan, 4, raw);
+    else if (keyword == "tetrahedrap2")
+      read_tetrahedra(scan, 10, raw);
     else if (const auto cells = other_cells.find(keyword); cells != other_cells.end())
       skip_cells(scan, cells->second, raw);
     else if (!starts_keyword(keyword.front()))

@@ -21,6 +21,12 @@ MeshFile read_tetgen_pair(const std::filesystem::path& either) {
 
 }  // namespace
 
+std::vector<std::string> MeshFile::warnings() const {
+  std::vector<std::string> lines = notes;
+  for (std::string& line : prepared.warnings()) lines.push_back(std::move(line));
+  return lines;
+}
+
 MeshFile read_mesh(const std::filesystem::path& file) {
   const std::string name = file.string(), extension = io::lower_case(file.extension().string());
   if (extension == ".node" || extension == ".ele") return read_tetgen_pair(file);

@@ -13,16 +13,19 @@ namespace lobe {
 // Reads by extension: .vtu (ascii, inline or appended base64, raw appended; uncompressed or zlib), .vtk
 // (legacy 2.0 … 5.1, ascii and binary), .msh, .msh2 (Gmsh 1, ascii; 2.2 and 4.1, ascii and binary), .mesh
 // (MEDIT ascii), .node/.ele (TetGen; either name finds the other). Vertices and tetrahedra keep the order of
-// the file. Cells other than 4-node tetrahedra are ignored and counted. Labels are the cell data "label",
-// else "gmsh:physical", "medit:ref" or "CellEntityIds" (VTK), the first physical group (Gmsh), the reference
-// (MEDIT), the region (TetGen). Throws InputError naming file, line or section, and what was expected. Calls
-// prepare().
+// the file. Of ten-node tetrahedra only the corners are taken; the vertices in the middle of their edges are
+// left out. Other cells are ignored and counted. Labels are the cell data "label", else "gmsh:physical",
+// "medit:ref" or "CellEntityIds", else the only array of whole numbers (VTK); the first physical group, or
+// the entity where there are no groups (Gmsh); the reference (MEDIT); the region (TetGen). Throws InputError
+// naming file, line or section, and what was expected. Calls prepare().
 struct MeshFile {
   TetMesh mesh;
   PrepareReport prepared;
+  std::vector<std::string> notes;  // one line each: what was taken for labels, what was left out
   Index ignored_cells = 0;
   std::map<std::string, Eigen::MatrixXd> point_data;  // #components × #vertices (VTU only)
   std::map<std::string, Eigen::MatrixXd> cell_data;   // #components × #tetrahedra (VTU only), but "label"
+  std::vector<std::string> warnings() const;          // the notes, and what prepare() noticed
 };
 MeshFile read_mesh(const std::filesystem::path& file);
 

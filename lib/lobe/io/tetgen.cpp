@@ -29,15 +29,18 @@ std::int64_t read_nodes(Scanner& scan, RawMesh& raw) {
 void read_elements(Scanner& scan, std::int64_t base, RawMesh& raw) {
   const auto vertices = static_cast<std::int64_t>(raw.coordinates.size() / 3);
   const std::size_t count = scan.count("tetrahedra", 10);
-  if (scan.integer("the number of vertices of a tetrahedron") != 4)
-    scan.fail("quadratic tetrahedra, expected 4 vertices each; run TetGen without -o2");
+  const std::int64_t nodes = scan.integer("the number of vertices of a tetrahedron");
+  if (nodes != 4 && nodes != 10)
+    scan.fail("tetrahedra of " + std::to_string(nodes) + " vertices, expected 4 or 10");
   const std::int64_t attributes = scan.integer("the number of attributes", 0, 1000);
   raw.corners.reserve(4 * count);
+  std::vector<Index> corners(static_cast<std::size_t>(nodes));
   for (std::size_t i = 0; i < count; ++i) {
     scan.integer("the number of a tetrahedron");
-    for (int k = 0; k < 4; ++k)
-      raw.corners.push_back(
-          static_cast<Index>(scan.integer("a vertex of a tetrahedron", base, base + vertices - 1) - base));
+    for (Index& v : corners)
+      v = static_cast<Index>(scan.integer("a vertex of a tetrahedron", base, base + vertices - 1) - base);
+    nodes == 4 ? (void)raw.corners.insert(raw.corners.end(), corners.begin(), corners.end())
+               : add_ten_node(corners, raw);
     for (std::int64_t k = 0; k < attributes; ++k) {
       const auto region = whole_number(scan.real("a region"), -max_index, max_index);
       if (k > 0) continue;

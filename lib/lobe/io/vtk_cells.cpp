@@ -1,5 +1,8 @@
 #include "lobe/io/vtk_cells.h"
 
+#include <algorithm>
+#include <set>
+
 #include "lobe/error.h"
 #include "lobe/io/numeric.h"
 #include "lobe/text.h"
@@ -7,22 +10,48 @@
 namespace lobe::io {
 namespace {
 
-constexpr double vtk_tetra = 10;
+constexpr double vtk_tetra = 10, vtk_quadratic_tetra = 24;
+
+// Names of VTK's cell types.
+std::string kind_of(double type) {
+  static const std::map<double, std::string> kinds = {{1, "vertex"},
+                                                      {2, "set of vertices"},
+                                                      {3, "line"},
+                                                      {4, "polyline"},
+                                                      {5, "triangle"},
+                                                      {6, "triangle strip"},
+                                                      {7, "polygon"},
+                                                      {8, "pixel"},
+                                                      {9, "quadrangle"},
+                                                      {11, "voxel"},
+                                                      {12, "hexahedron"},
+                                                      {13, "wedge"},
+                                                      {14, "pyramid"},
+                                                      {21, "three-node line"},
+                                                      {22, "six-node triangle"},
+                                                      {25, "twenty-node hexahedron"},
+                                                      {42, "polyhedron"},
+                                                      {71, "tetrahedron of higher order"}};
+  const auto known = kinds.find(type);
+  return known == kinds.end() ? "cell of type " + exact(type) : known->second;
+}
 
 [[noreturn]] void fail(const std::string& place, std::size_t cell, const std::string& message) {
   throw InputError(place + ": cell " + std::to_string(cell), message);
 }
 
-void add_tetrahedron(const VtkCells& cells, std::size_t cell, std::size_t begin, const std::string& place,
-                     RawMesh& raw) {
+std::vector<Index> vertices_of(const VtkCells& cells, std::size_t cell, std::size_t begin, std::size_t count,
+                               const std::string& place, const RawMesh& raw) {
   const auto vertices = static_cast<std::int64_t>(raw.coordinates.size() / 3);
-  for (std::size_t k = begin; k < begin + 4; ++k) {
+  std::vector<Index> found;
+  for (std::size_t k = begin; k < begin + count; ++k) {
     const auto vertex = whole_number(cells.connectivity[k], 0, vertices - 1);
     if (!vertex)
       fail(place, cell,
            "names vertex " + exact(cells.connectivity[k]) + ", expected 0 … " + std::to_string(vertices - 1));
-    raw.corners.push_back(static_cast<Index>(*vertex));
+    found.push_back(static_cast<Index>(*vertex));
   }
+  return found;
 }
 
 }  // namespace
@@ -40,18 +69,27 @@ std::vector<std::size_t> add_tetrahedra(const VtkCells& cells, const std::string
       fail(place, cell,
            "its offset is " + exact(cells.ends[cell]) + ", expected " + std::to_string(begin) + " … " +
                std::to_string(cells.connectivity.size()) + "; offsets must increase");
-    if (cells.types[cell] != vtk_tetra) {
-      ++raw.ignored_cells;
-    } else if (*end - begin != 4) {
-      fail(place, cell, "is a tetrahedron of " + std::to_string(*end - begin) + " vertices, expected 4");
+    const double type = cells.types[cell];
+    const std::int64_t nodes = type == vtk_tetra ? 4 : type == vtk_quadratic_tetra ? 10 : 0;
+    if (nodes == 0) {
+      ++raw.ignored[kind_of(type)];
+    } else if (*end - begin != nodes) {
+      fail(place, cell,
+           "is a tetrahedron of " + std::to_string(*end - begin) + " vertices, expected " +
+               std::to_string(nodes));
     } else {
-      add_tetrahedron(cells, cell, static_cast<std::size_t>(begin), place, raw);
+      const std::vector<Index> vertices =
+          vertices_of(cells, cell, std::size_t(begin), std::size_t(nodes), place, raw);
+      nodes == 4 ? (void)raw.corners.insert(raw.corners.end(), vertices.begin(), vertices.end())
+                 : add_ten_node(vertices, raw);
       tets.push_back(cell);
     }
     begin = *end;
   }
   return tets;
 }
+
+namespace {
 
 std::vector<int> labels_of(const std::vector<double>& values, const std::vector<std::size_t>& tets,
                            const std::string& place) {
@@ -64,6 +102,61 @@ std::vector<int> labels_of(const std::vector<double>& values, const std::vector<
     labels.push_back(static_cast<int>(*label));
   }
   return labels;
+}
+
+// What tells cells apart, and names no parts of a body.
+bool is_identifier(const CellArray& array) {
+  static constexpr std::string_view names[] = {"globalids",      "globalelementid", "vtkoriginalcellids",
+                                               "vtkghosttype",   "vtkghostlevels",  "pedigreeids",
+                                               "originalcellid", "cellids",         "elementid"};
+  const std::string name = lower_case(array.name);
+  if (std::find(std::begin(names), std::end(names), name) != std::end(names)) return true;
+  const std::set<double> different(array.values.begin(), array.values.end());
+  return array.values.size() > 100 && different.size() == array.values.size();
+}
+
+// "1, 65"
+std::string values_of(const std::vector<double>& values, const std::vector<std::size_t>& tets) {
+  std::set<double> different;
+  for (const std::size_t cell : tets) different.insert(values[cell]);
+  std::string text;
+  for (const double value : different) {
+    if (text.size() > 40) return text + ", …";
+    text += (text.empty() ? "" : ", ") + exact(value);
+  }
+  return text;
+}
+
+// Names under which labels are looked for, the first that is present wins.
+constexpr const char* label_names[] = {"label", "gmsh:physical", "medit:ref", "CellEntityIds"};
+
+}  // namespace
+
+std::string take_labels(const std::vector<CellArray>& arrays, const std::vector<std::size_t>& tets,
+                        const std::string& place, RawMesh& raw) {
+  const auto take = [&](const CellArray& array) {
+    raw.labels = labels_of(array.values, tets, place + ": " + array.name);
+    return array.name;
+  };
+  for (const char* name : label_names)
+    for (const CellArray& array : arrays)
+      if (array.name == name) return take(array);
+  std::vector<const CellArray*> whole;
+  for (const CellArray& array : arrays)
+    if (array.is_whole && !is_identifier(array)) whole.push_back(&array);
+  if (whole.empty()) return "";
+  const auto described = [&](const CellArray& array) {
+    return "\"" + array.name + "\" (" + values_of(array.values, tets) + ")";
+  };
+  if (whole.size() == 1) {
+    raw.notes.push_back("labels are those of the cell array " + described(*whole[0]));
+    return take(*whole[0]);
+  }
+  std::string list;
+  for (const CellArray* array : whole) list += (list.empty() ? "" : ", ") + described(*array);
+  raw.notes.push_back("labels are all 0: it has several cell arrays of whole numbers, " + list +
+                      "; call the one that has the labels \"label\"");
+  return "";
 }
 
 }  // namespace lobe::io

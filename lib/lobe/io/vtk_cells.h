@@ -8,17 +8,23 @@ namespace lobe::io {
 struct VtkCells {
   std::vector<double> connectivity;  // vertices of all cells, one cell after the other
   std::vector<double> ends;          // of each cell in `connectivity`
-  std::vector<double> types;         // 10 is a tetrahedron
+  std::vector<double> types;         // 10 is a tetrahedron, 24 one of ten nodes
 };
-
-// Names under which labels are looked for, the first that is present wins.
-constexpr const char* label_names[] = {"label", "gmsh:physical", "medit:ref", "CellEntityIds"};
 
 // Appends the tetrahedra to `raw`; returns which cells they are.
 std::vector<std::size_t> add_tetrahedra(const VtkCells& cells, const std::string& place, RawMesh& raw);
 
-// Labels of the tetrahedra from one value per cell.
-std::vector<int> labels_of(const std::vector<double>& values, const std::vector<std::size_t>& tets,
-                           const std::string& place);
+// One value per cell.
+struct CellArray {
+  std::string name;
+  std::vector<double> values;
+  bool is_whole = false;  // of whole numbers, by its type
+};
+
+// Takes the labels of the tetrahedra from the array that has a known name, else from the only one of whole
+// numbers. Notes of `raw` say which, or between which it cannot choose. Returns its name, empty if it took
+// none.
+std::string take_labels(const std::vector<CellArray>& arrays, const std::vector<std::size_t>& tets,
+                        const std::string& place, RawMesh& raw);
 
 }  // namespace lobe::io

@@ -2,8 +2,6 @@
 // big-endian and begin after the line that announces them.
 #include "lobe/io/vtk_legacy.h"
 
-#include "lobe/io/vtk_cells.h"
-
 namespace lobe::io {
 namespace {
 
@@ -85,15 +83,6 @@ void read_block(Scanner& scan, const std::string& keyword, int version, LegacyMe
   }
 }
 
-void add_labels(const LegacyArrays& arrays, const std::vector<std::size_t>& tets, const std::string& name,
-                RawMesh& raw) {
-  for (const char* label : label_names)
-    if (const auto found = arrays.find(label); found != arrays.end()) {
-      raw.labels = labels_of(found->second, tets, name + ": " + label);
-      return;
-    }
-}
-
 }  // namespace
 
 std::vector<double> read_legacy_array(Scanner& scan, std::string_view type, std::size_t count,
@@ -133,7 +122,7 @@ RawMesh read_vtk_legacy(const std::string& name, std::string_view bytes) {
   }
   if (!mesh.has_cells) scan.fail("the file has no CELLS; it is truncated");
   const auto tets = add_tetrahedra(mesh.cells, name, mesh.raw);
-  add_labels(arrays, tets, name, mesh.raw);
+  take_labels(arrays, tets, name, mesh.raw);
   return std::move(mesh.raw);
 }
 

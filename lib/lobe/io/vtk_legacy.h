@@ -4,6 +4,7 @@
 #include <map>
 
 #include "lobe/io/numeric.h"
+#include "lobe/io/vtk_cells.h"
 
 namespace lobe::io {
 
@@ -15,7 +16,7 @@ std::vector<double> read_legacy_array(Scanner& scan, std::string_view type, std:
 void skip_legacy_metadata(Scanner& scan, std::size_t components);
 
 // FIELD name n, and n arrays; those with one value per cell go to `cell_arrays`, if not null.
-using LegacyArrays = std::map<std::string, std::vector<double>>;
+using LegacyArrays = std::vector<CellArray>;
 void read_legacy_field(Scanner& scan, LegacyArrays* arrays);
 
 // From POINT_DATA or CELL_DATA to the end of the file: keeps the scalars of cells.

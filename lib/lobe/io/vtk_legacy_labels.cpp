@@ -42,7 +42,7 @@ void read_values(Scanner& scan, const std::string& name, const std::string& type
   if (type == "string" || type == "utf8_string")
     skip_strings(scan, count);
   else if (auto values = read_legacy_array(scan, type, count, name); arrays && components == 1)
-    arrays->emplace(name, std::move(values));
+    arrays->push_back({name, std::move(values), type != "bit" && type != "float" && type != "double"});
   skip_legacy_metadata(scan, components);
 }
 
@@ -137,7 +137,7 @@ LegacyArrays read_legacy_attributes(Scanner& scan, std::string keyword, std::siz
     keyword = lower_case(scan.word("a keyword"));
   }
   // A field may hold arrays of any length; only one value per cell can be labels.
-  std::erase_if(kept, [&](const auto& array) { return array.second.size() != cells; });
+  std::erase_if(kept, [&](const CellArray& array) { return array.values.size() != cells; });
   return kept;
 }
 

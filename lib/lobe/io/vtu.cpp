@@ -16,16 +16,16 @@ VtkCells read_cells(const VtkXml& xml) {
   return cells;
 }
 
-void take_labels(VtkData& cell_data, const std::vector<std::size_t>& tets, const std::string& place,
-                 RawMesh& raw) {
-  for (const char* name : label_names) {
-    const auto found = cell_data.find(name);
-    if (found == cell_data.end() || found->second.rows() != 1) continue;
-    const Eigen::MatrixXd& values = found->second;
-    raw.labels = labels_of({values.data(), values.data() + values.size()}, tets, place + ": " + name);
-    if (std::string_view(name) == "label") cell_data.erase(found);
-    return;
+std::vector<CellArray> single_values(const VtkXml& xml, const VtkData& cell_data) {
+  std::vector<CellArray> arrays;
+  for (const auto& [name, values] : cell_data) {
+    if (values.rows() != 1) continue;
+    const pugi::xml_node node =
+        xml.piece.child("CellData").find_child_by_attribute("DataArray", "Name", name.c_str());
+    const std::string_view type = node.attribute("type").value();
+    arrays.push_back({name, {values.data(), values.data() + values.size()}, !type.starts_with("Float")});
   }
+  return arrays;
 }
 
 // Three components per cell; not checked, since cells without fibres may have anything there.
@@ -53,9 +53,12 @@ MeshFile read_vtu(const std::string& name, std::string_view bytes) {
   const auto tets = add_tetrahedra(cells, name, raw);
   VtkData point_data = read_vtk_data(xml, "PointData", raw.coordinates.size() / 3);
   VtkData cell_data = read_vtk_data(xml, "CellData", cells.types.size());
-  take_labels(cell_data, tets, name, raw);
-  MeshFile file = finish(std::move(raw), name);
+  if (take_labels(single_values(xml, cell_data), tets, name, raw) == "label") cell_data.erase("label");
+  std::vector<Index> kept;
+  MeshFile file = finish(std::move(raw), name, &kept);
   take_fibres(cell_data, tets, file.mesh);
+  for (auto& [of, values] : point_data)
+    if (!kept.empty()) values = values(Eigen::all, kept).eval();
   file.point_data = std::move(point_data);
   file.cell_data = only_tetrahedra(cell_data, tets);
   return file;

@@ -116,6 +116,7 @@ void Painting::set_fixed(Scene& scene) const {
 Scene Painting::scene(const std::filesystem::path& mesh) const {
   Scene scene = with_absolute_paths(scene_);
   scene.mesh = mesh;
+  scene.mesh_scale = 1;  // that mesh is scaled
   scene.auto_regions.reset();
   add_regions(scene);
   set_materials(scene);

@@ -168,6 +168,7 @@ void Viewer::perform(ClientId, const request::Export& what) {
   Scene scene = live_->hands_scene();
   if (saves_mesh_) {
     scene.mesh = what.to + ".vtu";
+    scene.mesh_scale = 1;  // the mesh of the setup is scaled
     write_vtu(options_.folder / scene.mesh, resolved_.setup.mesh);
   }
   const std::filesystem::path file = options_.folder / (what.to + ".json");

@@ -19,6 +19,7 @@
 #include "lobe/run/solve.h"
 #include "lobe/scene/describe.h"
 #include "lobe/scene/read_scene.h"
+#include "lobe/scene/unit_checks.h"
 #include "lobe/sim/rest_time_step.h"
 #include "lobe/text.h"
 #include "pictures.h"
@@ -169,6 +170,8 @@ int info(const InfoOptions& options) {
     throw InputError("material", "needs finite mu > 0, 3 lambda + 2 mu > 0 and density > 0");
   const MeshFile file = read_mesh(options.mesh);
   print_warnings(file.warnings());
+  if (const std::string doubt = doubt_of_size(box_diagonal(file.mesh)); !doubt.empty())
+    print_warnings({doubt + ": lobe convert --scale, or \"mesh_scale\" in the scene"});
   const Json j = info_json(file, options);
   if (options.json)
     std::cout << j.dump(1, ' ', false, Json::error_handler_t::replace) << '\n';

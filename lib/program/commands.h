@@ -57,4 +57,10 @@ struct RefineOptions {
 };
 int refine(const RefineOptions& options);
 
+struct ConvertOptions {
+  std::filesystem::path mesh, output;
+  double scale = 1;
+};
+int convert(const ConvertOptions& options);
+
 }  // namespace lobe::program

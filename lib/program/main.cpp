@@ -86,6 +86,17 @@ void add_refine(CLI::App& app, RefineOptions& options, Action& action) {
   command->callback([&] { action = [&] { return refine(options); }; });
 }
 
+void add_convert(CLI::App& app, ConvertOptions& options, Action& action) {
+  CLI::App* command = app.add_subcommand("convert", "Write a mesh in another format, or in metres");
+  command->add_option("MESH", options.mesh, "vtu, vtk, msh, mesh, node/ele")->required();
+  command->add_option("-o,--output", options.output, "mesh to write; .vtu keeps the arrays of a .vtu")
+      ->required();
+  command->add_option("--scale", options.scale, "what coordinates are multiplied by: 0.001 from millimetres")
+      ->check(CLI::Range(1e-9, 1e9))
+      ->capture_default_str();
+  command->callback([&] { action = [&] { return convert(options); }; });
+}
+
 CLI::App* add_scene_command(CLI::App& app, const char* name, const char* help, SceneOptions& options,
                             Action& action, int (*function)(const SceneOptions&)) {
   CLI::App* command = app.add_subcommand(name, help);
@@ -160,6 +171,8 @@ int main(int argc, char** argv) {
   add_compare(app, compare_options, action);
   RefineOptions refine_options;
   add_refine(app, refine_options, action);
+  ConvertOptions convert_options;
+  add_convert(app, convert_options, action);
   CLI::App* regions_command =
       add_scene_command(app, "regions", "Write the mesh with its region tags", options, action, regions);
   regions_command->add_option("-o,--output", options.output, "mesh to write (.vtu)")->required();

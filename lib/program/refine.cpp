@@ -1,4 +1,4 @@
-// `lobe refine`: a finer mesh of the same body.
+// `lobe refine`: a finer mesh of the same body. `lobe convert`: the same in another format or scale.
 #include "lobe/mesh/refine.h"
 
 #include <cstdio>
@@ -50,6 +50,20 @@ int refine(const RefineOptions& options) {
   write(options.output, file);
   std::printf("%d tetrahedra became %d, with %d vertices\nwritten to %s\n", before, after, vertices,
               options.output.string().c_str());
+  return done;
+}
+
+int convert(const ConvertOptions& options) {
+  if (!can_write_mesh(options.output))
+    throw InputError(options.output.string(), "no mesh is written with this extension; .vtu is");
+  MeshFile file = read_mesh(options.mesh);
+  print_warnings(file.warnings());
+  file.mesh.points *= options.scale;
+  const Vec3d size = bounding_box(file.mesh).max - bounding_box(file.mesh).min;
+  const Index vertices = file.mesh.vertex_count(), tets = file.mesh.tet_count();
+  write(options.output, file);
+  std::printf("%d vertices, %d tetrahedra, %g × %g × %g m\nwritten to %s\n", vertices, tets, size.x(),
+              size.y(), size.z(), options.output.string().c_str());
   return done;
 }
 

@@ -173,6 +173,7 @@ bool solve_scene(const Ranks& ranks, const SceneOptions& options) {
   const std::string name = mesh_path(scene).string();
   auto phase = Clock::now();
   MeshSlice slice = read_slice(ranks, mesh_path(scene));
+  slice.mesh.points *= scene.mesh_scale;
   if (!slice.read_in_parts)
     run.warnings.push_back(name + ": rank 0 has read all of it; a .vtu as lobe writes it is read in parts");
   run.reading = ranks.max(since(phase));

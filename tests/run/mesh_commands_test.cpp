@@ -1,4 +1,4 @@
-// lobe info and lobe refine as their callers use them.
+// lobe info, lobe convert and lobe refine as their callers use them.
 #include <doctest/doctest.h>
 
 #include "lobe/mesh/quality.h"
@@ -31,6 +31,36 @@ TEST_CASE("lobe info counts and measures a mesh") {
   const Json heavy = Json::parse(lobe_in(folder, "info beam.vtu --json --density 4000").out);
   CHECK(heavy["stable_time_step_s"].get<double>() == near(2 * step, 1e-12));  // ∝ √ρ
   CHECK(lobe_in(folder, "info beam.vtu").out.find("tetrahedra          192\n") != std::string::npos);
+}
+
+TEST_CASE("lobe convert scales a mesh, and lobe info and a scene say what a mesh in millimetres lacks") {
+  const Folder folder;
+  write_scene_files(folder);
+  TetMesh mesh = beam_mesh();
+  const TetMesh in_metres = mesh;
+  mesh.points *= 1000;
+  DataArray of_vertex{"number", Eigen::MatrixXd(1, mesh.vertex_count())};
+  for (Index v = 0; v < mesh.vertex_count(); ++v) of_vertex.values(0, v) = v;
+  write_vtu(folder.path / "mm.vtu", mesh, {of_vertex});
+  const Ended info = lobe_in(folder, "info mm.vtu");
+  CHECK(info.status == 0);
+  CHECK(info.err ==
+        "lobe: warning: its bounding box has a diagonal of 84.85 m; if it is in millimetres, scale it by "
+        "0.001: lobe convert --scale, or \"mesh_scale\" in the scene\n");
+  const Ended ended = lobe_in(folder, "convert mm.vtu -o m.vtu --scale 0.001");
+  CHECK(ended.status == 0);
+  CHECK(ended.out == "81 vertices, 192 tetrahedra, 0.08 × 0.02 × 0.02 m\nwritten to m.vtu\n");
+  const MeshFile read = read_mesh(folder.path / "m.vtu");
+  CHECK((read.mesh.points - in_metres.points).norm() < 1e-15);
+  CHECK(read.mesh.labels == in_metres.labels);
+  CHECK(read.point_data.at("number") == of_vertex.values);
+  CHECK(lobe_in(folder, "info m.vtu").err.empty());
+  CHECK(lobe_in(folder, "convert mm.vtu -o mm.msh").status == 0);
+  CHECK(read_mesh(folder.path / "mm.msh").mesh.points == mesh.points);
+  for (const char* wrong : {"mm.vtu -o a.txt", "none.vtu -o a.vtu", "mm.vtu -o a.vtu --scale 0", "mm.vtu"}) {
+    CAPTURE(wrong);
+    CHECK(lobe_in(folder, std::string("convert ") + wrong).status == 2);
+  }
 }
 
 TEST_CASE("lobe refine keeps the body, its labels and its arrays, and stops at the number asked for") {

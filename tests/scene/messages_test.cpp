@@ -91,7 +91,8 @@ TEST_CASE("unknown keys are refused with a suggestion") {
       {R"({"a\nb": 1, "time": {"x~/": 1}})",
        "scene.json: unknown key \"a\\nb\"; known here: \"$schema\", \"boundary\", \"comment\", "
        "\"condensed_cache\", \"contact\", \"evaluator\", "
-       "\"gravity\", \"guard_below\", \"loose_pieces\", \"materials\", \"mesh\", \"name\", \"output\", "
+       "\"gravity\", \"guard_below\", \"loose_pieces\", \"materials\", \"mesh\", \"mesh_scale\", \"name\", "
+       "\"output\", "
        "\"regions\", \"skin\", \"time\", "
        "\"tools\", \"volume_penalty\"\n"
        "/time: unknown key \"x~/\"; known here: \"cut_step\", \"damping\", \"duration\", \"frame\", "

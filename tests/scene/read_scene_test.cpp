@@ -102,6 +102,7 @@ TEST_CASE("tools, time and output are read") {
   CHECK(scene.tools[2].heels == std::vector<Vec3d>{{0.04, -0.05, 0.1}, {0.04, 0.05, 0.1}});
   CHECK(scene.name == "liver");
   CHECK(mesh_path(scene) == std::filesystem::path("dir/meshes/liver.vtu"));
+  CHECK(scene.mesh_scale == 0.001);
   CHECK(scene.volume_penalty == 1e5);
   CHECK(scene.guard_below == 0.2);
   CHECK(scene.condensed_cache == "cache");

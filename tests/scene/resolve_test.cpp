@@ -359,10 +359,12 @@ TEST_CASE("mistakes in units are suspected") {
   };
   CHECK(contains(
       warnings("{}", 1000),
-      "mesh: its bounding box has a diagonal of 424.3 m; if it is in millimetres, scale it by 0.001"));
+      "mesh: its bounding box has a diagonal of 424.3 m; if it is in millimetres, scale it by 0.001: "
+      "\"mesh_scale\": 0.001"));
+  CHECK(warnings(R"({"mesh_scale": 0.001})", 1000) == warnings("{}"));
   CHECK(contains(warnings("{}", 0.001),
                  "mesh: its bounding box has a diagonal of 0.0004243 m; if it was scaled from millimetres "
-                 "twice, scale it by 1000"));
+                 "twice, scale it by 1000: \"mesh_scale\": 1000"));
   CHECK(warnings(R"({"materials": [{"lame_lambda": 4e4, "lame_mu": 1e4, "density": 1.06}]})") ==
         "/materials/0/density: 1.06 kg/m³ is unlike tissue; if it is in g/cm³, multiply it by 1000");
   CHECK(warnings(R"({"materials": [{"lame_lambda": 4e5, "lame_mu": 1e5, "density": 20000}]})") ==

@@ -200,6 +200,7 @@ Scene from_document(const json& document) {
   read(document, "name", scene.name);
   const auto mesh = document["mesh"].get<std::string>();
   scene.mesh = std::u8string(mesh.begin(), mesh.end());
+  read(document, "mesh_scale", scene.mesh_scale);
   read(document, "volume_penalty", scene.volume_penalty);
   read(document, "guard_below", scene.guard_below);
   read_entries(document, "materials", scene.materials, read_material);

@@ -220,6 +220,7 @@ Resolved resolve(const Scene& scene, TetMesh mesh, const ResolveOptions& options
   Resolution resolution{scene, {}, {}};
   Setup& setup = resolution.result.setup;
   setup.mesh = std::move(mesh);
+  if (scene.mesh_scale != 1) setup.mesh.points *= scene.mesh_scale;
   setup.mesh.labels.resize(static_cast<std::size_t>(setup.mesh.tet_count()), 0);
   setup.gravity = scene.gravity;
   setup.volume_penalty = scene.volume_penalty;

@@ -191,6 +191,7 @@ struct Scene {
   std::string name;            // what reports call it
   std::filesystem::path file;  // where it was read from
   std::filesystem::path mesh;  // absolute, or relative to the scene file
+  double mesh_scale = 1;       // what its coordinates are multiplied by, before anything is selected
   std::vector<Material> materials;
   double volume_penalty = 0;                // κ [Pa]
   double guard_below = 0;                   // J₀ of fem/guard.h, 0: no guard

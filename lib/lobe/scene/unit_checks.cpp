@@ -10,10 +10,8 @@ namespace lobe {
 namespace {
 
 void suspect_size(Resolution& resolution, double size) {
-  if (size >= 1e-3 && size <= 2) return;
-  resolution.warn("mesh", "its bounding box has a diagonal of " + rounded(size) + " m; " +
-                              (size > 2 ? "if it is in millimetres, scale it by 0.001"
-                                        : "if it was scaled from millimetres twice, scale it by 1000"));
+  const std::string doubt = doubt_of_size(size);
+  if (!doubt.empty()) resolution.warn("mesh", doubt + ": \"mesh_scale\": " + (size > 2 ? "0.001" : "1000"));
 }
 
 // Warns of volumetric locking of linear tetrahedra that have no nodal pressure.
@@ -58,6 +56,13 @@ void suspect_material(Resolution& resolution, const Elastic& m, double size, con
 double box_diagonal(const TetMesh& mesh) {
   const Box box = bounding_box(mesh);
   return (box.max - box.min).norm();
+}
+
+std::string doubt_of_size(double diagonal) {
+  if (diagonal >= 1e-3 && diagonal <= 2) return "";
+  return "its bounding box has a diagonal of " + rounded(diagonal) + " m; if it " +
+         (diagonal > 2 ? "is in millimetres, scale it by 0.001"
+                       : "was scaled from millimetres twice, scale it by 1000");
 }
 
 double expected_sag(const Elastic& m, double gravity, double size) {

@@ -183,6 +183,7 @@ std::string to_json(const Scene& scene) {
   ordered_json document;
   document["name"] = scene.name;
   document["mesh"] = utf8(scene.mesh);
+  document["mesh_scale"] = scene.mesh_scale;
   document["materials"] = entries(scene.materials);
   document["volume_penalty"] = scene.volume_penalty;
   document["guard_below"] = scene.guard_below;

@@ -22,8 +22,9 @@ template <int n, class Body>
   (std::make_integer_sequence<int, n>());
 }
 
-// A register of so many bytes, whose number of bytes is a part of the type: units that are compiled for
-// different instruction sets share no function of packs. Each operation acts lane by lane, in IEEE arithmetic.
+// A register of so many bytes. That number is a part of the type, so that units that are compiled for
+// different instruction sets share no function of packs. Each operation acts lane by lane, in IEEE
+// arithmetic.
 template <std::floating_point Real, int bytes>
 class BasicPack {
  public:

@@ -1,6 +1,6 @@
 // Every run gives the bits that are kept in digests.txt, on 1, 2 and 7 threads. They hold on x86-64, whatever
 // instructions the wide kernels use. LOBE_WRITE_GOLDEN=FILE writes the digests of one thread to a file
-// instead.
+// instead. A run that another world takes over at half time, from a checkpoint, gives the same bits.
 #include "golden/golden.h"
 
 #include <doctest/doctest.h>
@@ -41,21 +41,34 @@ void write_digests(const std::string& path, const std::vector<GoldenRun>& runs) 
   REQUIRE(file.good());
 }
 
+template <class Play>
+void check_that_it_gives_what_is_kept(const GoldenRun& run, const Play& play, int threads,
+                                      const std::map<std::string, Digests>& kept) {
+  CAPTURE(run.name);
+  CAPTURE(threads);
+  REQUIRE(kept.contains(run.name));
+  const Digests found = play(threads);
+  REQUIRE(found.size() == golden_times);
+  std::size_t same = 0;  // times
+  while (same < golden_times && found[same] == kept.at(run.name)[same]) ++same;
+  CHECK(same == golden_times);
+}
+
 void check(const std::vector<GoldenRun>& runs) {
   if (const char* path = std::getenv("LOBE_WRITE_GOLDEN")) return write_digests(path, runs);
 #ifdef __x86_64__
   const std::map<std::string, Digests> kept = kept_digests();
   for (const GoldenRun& run : runs)
-    for (int threads : {1, 2, 7}) {
-      CAPTURE(run.name);
-      CAPTURE(threads);
-      REQUIRE(kept.contains(run.name));
-      const Digests found = run.play(threads);
-      REQUIRE(found.size() == golden_times);
-      std::size_t same = 0;  // times
-      while (same < golden_times && found[same] == kept.at(run.name)[same]) ++same;
-      CHECK(same == golden_times);
-    }
+    for (int threads : {1, 2, 7}) check_that_it_gives_what_is_kept(run, run.play, threads, kept);
+#endif
+}
+
+void check_taken_over(const std::vector<GoldenRun>& runs) {
+  if (std::getenv("LOBE_WRITE_GOLDEN")) return;
+#ifdef __x86_64__
+  const std::map<std::string, Digests> kept = kept_digests();
+  for (const GoldenRun& run : runs)
+    if (run.take_over) check_that_it_gives_what_is_kept(run, run.take_over, 1, kept);
 #endif
 }
 
@@ -66,3 +79,7 @@ TEST_CASE("the shipped scenes give the bits that are kept, on any number of thre
 }
 
 TEST_CASE("every option gives the bits that are kept, on any number of threads") { check(option_scenes()); }
+
+TEST_CASE("a run that another world takes over at half time gives the bits of the straight one") {
+  check_taken_over(option_scenes());
+}

@@ -104,12 +104,12 @@ void add_inertia(std::vector<GoldenRun>& runs) {
   setup.selective_mass = 12;
   setup.grasps.push_back({"grasp", left_lobe(setup), {{0, Vec3d::Zero()}, {0.3, {0, 0, 0.03}}}, true});
   setup.cauteries.push_back({"cautery", 0.006, {{0.5, {0.03, -0.06, 0.03}}, {0.6, {0.03, 0.0, 0.03}}}});
-  add_golden(runs, "selective masses that are watched", setup, 2 * frames, frame,
-             []<class Real>(World<Real>& world) {
-               return [watch = std::make_shared<MassWatch<Real>>(world, 0.02), &world](int) {
-                 watch->look(world);
-               };
-             });
+  add_watched(runs, "selective masses that are watched", setup, 2 * frames, frame,
+              []<class Real>(World<Real>& world) {
+                return [watch = std::make_shared<MassWatch<Real>>(world, 0.02), &world](int) {
+                  watch->look(world);
+                };
+              });
 }
 
 // Edits by hand of each region, and a precomputed one that is expanded, cut, linearised anew and condensed
@@ -140,7 +140,7 @@ void add_edits(std::vector<GoldenRun>& runs) {
   setup = held_liver(RegionModel::tensor_mass);
   setup.damping = 20;
   setup.grasps.push_back({"grasp", left_lobe(setup), {{0, Vec3d::Zero()}, {0.4, {0, 0, 0.05}}}, true});
-  add_golden(
+  add_watched(
       runs, "tensor-mass zones that are corrected", setup, 2 * frames, frame,
       [grasps = std::vector<std::vector<Index>>{setup.grasps[0].vertices}]<class Real>(World<Real>& world) {
         return [watch = std::make_shared<LinearityWatch<Real>>(world, grasps, LinearityOptions{0.02, true}),
@@ -151,9 +151,7 @@ void add_edits(std::vector<GoldenRun>& runs) {
 void add_implicit_run(std::vector<GoldenRun>& runs, const std::string& name, Setup setup) {
   setup.integrator = Integrator::generalised_alpha;
   setup.implicit_step = 0.01;
-  runs.push_back({name + ", double", [setup](int threads) {
-                    return play_golden<double>(setup, threads, frames, frame, nothing);
-                  }});
+  runs.push_back(golden_run<double>(name, setup, frames, frame, nothing));
 }
 
 void add_implicit(std::vector<GoldenRun>& runs) {
@@ -185,6 +183,31 @@ void add_blades(std::vector<GoldenRun>& runs) {
   add_golden(runs, "blade through a precomputed half that is expanded", setup, frames, frame, nothing);
   setup = averaged(box_with_blade(RegionModel::nonlinear));
   add_golden(runs, "blade, nodal pressure", setup, frames, frame, nothing);
+  setup = box_with_blade(RegionModel::precomputed);
+  setup.precomputed_frame = RegionFrame::corotated;
+  add_golden(runs, "blade through a corotated half", setup, frames, frame, nothing);
+}
+
+// A precomputed half whose linearisation changes while it is pulled and cut; one that is expanded while a
+// ball presses on its interior, and condensed again once nothing has touched it for a while.
+void add_condensing(std::vector<GoldenRun>& runs) {
+  Setup setup = box_with_tools(RegionModel::precomputed);
+  add_golden(runs, "precomputed half that is relinearised", setup, frames, frame, [](auto& world) {
+    return [&world](int i) {
+      if (i == 6) world.apply(Relinearise{0.05});
+    };
+  });
+  setup = box_of(RegionModel::precomputed);
+  setup.expandable = true;
+  const double radius = 0.01, above = 0.05 + radius;
+  setup.probes.push_back({"probe",
+                          RigidShape::sphere(radius),
+                          0.2,
+                          {{0.0, {0.015, 0.025, above + 0.01}},
+                           {0.2, {0.015, 0.025, above - 0.005}},
+                           {0.4, {0.02, 0.025, above - 0.005}},
+                           {0.5, {0.02, 0.025, above + 0.02}}}});
+  add_golden(runs, "precomputed half that is touched", setup, 3 * frames, frame, nothing);
 }
 
 // The box with another law in both halves, which the same tools pull, cut and burn.
@@ -202,12 +225,30 @@ void add_laws(std::vector<GoldenRun>& runs) {
 void add_reduced(std::vector<GoldenRun>& runs) {
   Setup setup = pulled_bar();
   add_golden(runs, "reduced", setup, frames, frame, nothing);
+  add_golden(runs, "reduced, kept full for a while", setup, frames, frame,
+             [some = vertices_near(setup.mesh, {0.08, 0.02, 0.02}, 0.03)](auto& world) {
+               return [&world, some](int i) {
+                 if (i == 6) world.apply(KeepFull{some, 0.1});
+               };
+             });
   setup.cauteries.push_back({"cautery", 0.006, {{0.2, {0.12, 0, 0.05}}, {0.3, {0.12, 0.03, 0.05}}}});
   setup.scalpels.push_back({"blade",
                             0.1,
                             {{0.1, {0.081, -0.01, 0.06}}, {0.2, {0.081, -0.01, 0.015}}},
                             {{0.082, 0.05, 0.06}, {0.082, 0.05, 0.015}}});
   add_golden(runs, "reduced, blade and cautery", setup, frames, frame, nothing);
+
+  setup = pulled_bar();  // by jaws, which close on its end and rise
+  setup.grasps.clear();
+  const double half = std::sqrt(0.5);
+  const Eigen::Vector4d along_the_bar{0, -half, 0, half};
+  setup.probes.push_back({"jaws",
+                          RigidShape::jaws({0.02, 0.005, 0.04}),
+                          0.5,
+                          {{0.0, {0.185, 0.02, 0.02}, along_the_bar, 0.05},
+                           {0.1, {0.185, 0.02, 0.02}, along_the_bar, 0.036},
+                           {0.3, {0.185, 0.02, 0.04}, along_the_bar, 0.034}}});
+  add_golden(runs, "reduced, jaws", setup, frames, frame, nothing);
 }
 
 // Forces and springs that are set and moved while it runs, and a grasp that turns.
@@ -240,6 +281,7 @@ std::vector<GoldenRun> option_scenes() {
   add_edits(runs);
   add_implicit(runs);
   add_blades(runs);
+  add_condensing(runs);
   add_laws(runs);
   add_reduced(runs);
   add_applied(runs);

@@ -1,6 +1,7 @@
 #include "condense/half_linear.h"
 #include "fibre_support.h"
 #include "golden/golden.h"
+#include "joined_meshes.h"
 #include "lattice/lattice_worlds.h"
 #include "linearity/liver.h"
 #include "lobe/linearity/mass_watch.h"
@@ -210,6 +211,44 @@ void add_condensing(std::vector<GoldenRun>& runs) {
   add_golden(runs, "precomputed half that is touched", setup, 3 * frames, frame, nothing);
 }
 
+// A blade's lips rub on each other above a table; a finger, and then jaws, press and rub beside them.
+void add_contact_with_tools(std::vector<GoldenRun>& runs) {
+  Setup setup = box_with_blade(RegionModel::tensor_mass);
+  setup.contact.self = true;
+  setup.contact.friction = 0.2;
+  setup.contact.obstacles.push_back({"table", RigidShape::plane(), {0, 0, -0.0005}});
+  setup.probes.push_back(
+      {"finger",
+       RigidShape::sphere(0.008),
+       0.1,
+       {{0, {0.02, 0.035, 0.06}}, {0.2, {0.022, 0.035, 0.055}}, {0.4, {0.035, 0.033, 0.055}}}});
+  setup.probes.push_back({"rod",
+                          RigidShape::capsule(0.004, 0.03),
+                          0.3,
+                          {{0.1, {0.03, -0.01, 0.02}}, {0.3, {0.03, -0.002, 0.02}}},
+                          true});
+  add_golden(runs, "contact of lips, a finger, a rod and a table", setup, frames, frame, nothing);
+}
+
+// A box is thrown on another one, whose face coincides with its own; both rub, and the lower one swings.
+void add_contact_of_parts(std::vector<GoldenRun>& runs) {
+  TetMesh upper = irregular_box(3, 0.012, 2);
+  upper.points.colwise() += Vec3d(0.006, 0.008, 0.05);
+  Setup setup = setup_of(joined(box_mesh(Vec3d::Constant(0.05), 5, 5, 5), upper));
+  for (Index v = 0; v < setup.mesh.vertex_count(); ++v)
+    if (setup.mesh.points(2, v) == 0) setup.prescribed.push_back({v, Vec3d::Zero()});
+  setup.gravity = {2, 0, -9.81};
+  setup.damping = 5;
+  setup.contact.self = true;
+  setup.contact.friction = 0.3;
+  add_golden(runs, "contact of two parts", setup, frames, frame, []<class Real>(World<Real>& world) {
+    State<Real> state = world.state();
+    for (Eigen::Index v = 216; v < state.v.cols(); ++v) state.v(2, v) = Real(-0.3);
+    world.set_state(state);
+    return [](int) {};
+  });
+}
+
 // The box with another law in both halves, which the same tools pull, cut and burn.
 void add_laws(std::vector<GoldenRun>& runs) {
   Setup setup = box_with_blade(RegionModel::nonlinear);
@@ -285,6 +324,8 @@ std::vector<GoldenRun> option_scenes() {
   add_laws(runs);
   add_reduced(runs);
   add_applied(runs);
+  add_contact_with_tools(runs);
+  add_contact_of_parts(runs);
   return runs;
 }
 

@@ -1,3 +1,4 @@
+// Parallel by oneTBB (LOBE_TBB).
 #include "lobe/parallel.h"
 
 #include <tbb/blocked_range.h>

@@ -29,8 +29,8 @@ void wait_while(const std::atomic<Value>& value, Value old) {
   while (value.load(std::memory_order_acquire) == old) value.wait(old, std::memory_order_acquire);
 }
 
-// Which part of which run is to be taken next. A thread that wakes late finds another run's number in place of
-// the one that it has read, and takes nothing of the old one.
+// Which part of which run is to be taken next. A thread that wakes late finds another run's number in place
+// of the one that it has read, and takes nothing of the old one.
 struct Ticket {
   std::uint64_t run : 32, parts : 16, next : 16;
 };

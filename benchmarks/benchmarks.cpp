@@ -26,7 +26,8 @@ std::span<const Benchmark> all_benchmarks() {
       {"features", "what each option costs per step, on and off", bench_features},
       {"stress", "abuse that a body must survive, with a verdict each", bench_stress},
       {"huge", "static solutions of millions of tetrahedra in parts (lobe-petsc, MPI)", bench_huge},
-      {"soak", "random gestures for a given time, invariants checked every second", bench_soak},
+      {"soak", "sessions of a million frames, then random gestures, invariants checked every second",
+       bench_soak},
   };
   return list;
 }

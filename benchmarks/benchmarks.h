@@ -22,6 +22,7 @@ struct Options {
   bool predictions = false;  // haptic: only what is felt between frames
   std::string model;         // stress: only this one; empty: all
   double minutes = 10;       // soak: of wall time; live: simulated
+  int frames = 1'000'000;    // soak: of each session
   std::vector<std::filesystem::path> scenes;  // accuracy, hybrid, realtime: in place of the shipped ones
   // accuracy, hybrid, realtime: of the one scene, beside its own; haptic, scalpel: beside the shipped liver
   std::vector<std::filesystem::path> meshes;

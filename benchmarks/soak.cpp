@@ -1,5 +1,5 @@
-// lobe bench soak --minutes N: gestures with random tool noise, one after the other, invariants checked every
-// second, one line in the end.
+// lobe bench soak: long sessions (soak_sessions.h). Then for --minutes N gestures with random tool noise, one
+// after the other, invariants checked every second, one line in the end.
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -7,6 +7,7 @@
 
 #include "benchmarks/benchmarks.h"
 #include "benchmarks/machine.h"
+#include "benchmarks/soak_sessions.h"
 #include "benchmarks/stress/plan.h"
 #include "lobe/file/atomic_file.h"
 #include "lobe/run/recording.h"
@@ -98,6 +99,7 @@ void play(const Setup& setup, Clock::time_point& last_check, Tally& tally) {
 
 void bench_soak(const Options& options) {
   begin_results(options.output, "soak");
+  soak_sessions(options);
   const std::vector<stress::Subject> organs = stress::organs(false);
   std::mt19937 random(1);
   Tally tally;

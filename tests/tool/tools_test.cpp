@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "condense/half_linear.h"
+#include "folder.h"
 #include "lobe/assert.h"
 #include "lobe/error.h"
 #include "lobe/run/recording.h"
@@ -92,6 +93,47 @@ TEST_CASE("live tools are recorded, and go on with the same bits from a checkpoi
   CHECK(same_bits(world, restored));
   World<float> again(setup);
   CHECK(replay(recorded.recording(), again).same);
+}
+
+TEST_CASE(
+    "tools that were taken away leave the lists, keep their paths, and come back with an earlier state") {
+  const Setup setup = body();
+  World<float> world(setup);
+  Checkpoint<float> between;
+  for (int i = 0; i < 20; ++i) {
+    act(world, setup, i);
+    if (i == 15) world.apply(LetGo{2});
+    if (i == 10) between = world.save();
+    REQUIRE(world.advance(frame).ok);
+  }
+  CHECK(world.tools().lists().grasps.empty());
+  CHECK(world.tools().lists().cauteries.empty());
+  REQUIRE(world.tools().grasp(1));
+  CHECK(world.tools().grasp(1)->has_gone());
+  CHECK(world.tools().paths().grasps.size() == 1);
+  CHECK(world.tools().live_paths().cauteries.size() == 1);
+  CHECK_THROWS_WITH_AS(world.apply(LetGo{1}), "tool 1: was let go already", InputError);
+  CHECK_THROWS_WITH_AS(world.apply(LetGo{3}), "tool 3: is not there", InputError);
+
+  const Folder folder;
+  write_checkpoint(folder.path / "state", world.save());
+  World<float> restored(setup, 2);
+  restored.restore(read_checkpoint<float>(folder.path / "state"));
+  CHECK(restored.tools().next_id() == 3);
+  CHECK(restored.tools().lists().grasps.empty());
+  world.advance(frame);
+  restored.advance(frame);
+  CHECK(same_bits(world, restored));
+
+  world.restore(between);
+  CHECK(world.tools().lists().grasps.size() == 1);
+  for (int i = 10; i < 20; ++i) {
+    act(world, setup, i);
+    if (i == 15) world.apply(LetGo{2});
+    REQUIRE(world.advance(frame).ok);
+  }
+  world.advance(frame);
+  CHECK(same_bits(world, restored));
 }
 
 TEST_CASE(

@@ -16,10 +16,18 @@ void BringCautery::check(Index, const Options&) const {
 
 void Cautery::turn_on(bool on) {
   if (on && !burns) {
-    if (!strokes.empty()) strokes.back().settle();
+    settle();
     strokes.emplace_back();
   }
   burns = on;
+}
+
+bool Cautery::has_ended(double time) const {
+  return is_away && (strokes.empty() || strokes.back().empty() || strokes.back().back().time < time);
+}
+
+void Cautery::settle() {
+  if (!strokes.empty()) strokes.back().settle();
 }
 
 void Cautery::begin_frame(double time, double end) {

@@ -40,6 +40,8 @@ struct Cautery {
   void lead(const ToolPose& to) { target = to.position; }
   void let_go() { burns = false, is_away = true; }
   bool has_gone() const { return is_away; }
+  bool has_ended(double time) const;
+  void settle();
   void turn_on(bool on);
   bool is_on() const { return burns; }
   ToolShape shape() const { return {.radius = radius}; }

@@ -41,6 +41,8 @@ struct Grasp {
   void lead(const ToolPose& to) { target = to; }
   void let_go() { release = true; }
   bool has_gone() const { return release; }
+  void settle() { path.settle(); }
+  bool has_ended(double time) const { return phase == Phase::released && path.back().time < time; }
   bool is_on() const { return phase == Phase::holding; }
   ToolShape shape() const { return {}; }
   void begin_frame(double time, double end);

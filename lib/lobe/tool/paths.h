@@ -24,11 +24,6 @@ inline bool acts_at(double time, const std::vector<PathPoint>& path) {
   return !path.empty() && time >= path.front().time && time <= path.back().time;
 }
 
-// Removes the rows after a time: those of a frame that failed.
-inline void forget_after(double time, std::vector<PathPoint>& path) {
-  while (!path.empty() && path.back().time > time + just_before) path.pop_back();
-}
-
 // The time just after the frame's start. A stroke that began at the start itself would, as a path of a scene,
 // begin in the frame before.
 inline double start_of_stroke(double time) {

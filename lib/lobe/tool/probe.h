@@ -60,6 +60,8 @@ struct Probe {
   void lead(const ToolPose& to) { target = to; }
   void let_go() { release = true; }
   bool has_gone() const { return release; }
+  void settle() { path.settle(); }
+  bool has_ended(double time) const { return is_away && (path.empty() || path.back().time < time); }
   void turn_on(bool on) { closes = on; }
   bool is_on() const { return closes; }
   ToolShape shape() const;  // as it is now

@@ -14,19 +14,55 @@ void BringScalpel::check(Index, const Options&) const {
                      "needs a tip and a heel that are finite and not the same, and a snap of 0.02 to 0.3");
 }
 
+namespace {
+
+std::vector<PathPoint> heels_of(const ScalpelSetup& setup) {
+  std::vector<PathPoint> heels;
+  for (std::size_t i = 0; i < setup.heels.size(); ++i) heels.push_back({setup.path[i].time, setup.heels[i]});
+  return heels;
+}
+
+}  // namespace
+
+Scalpel::Scalpel(const ScalpelSetup& setup)
+    : name(setup.name),
+      snap(setup.snap),
+      along_faces(setup.along_faces),
+      strokes{{setup.path, heels_of(setup)}} {}
+
+void Scalpel::Stroke::push_back(double time, const BladePose& at) {
+  tips.push_back({time, at.tip});
+  heels.push_back({time, at.heel});
+}
+
 BladePose Scalpel::Stroke::at(double time) const {
-  const auto next = after(tips, time);
-  const auto row = static_cast<std::size_t>(next - tips.begin());
-  if (row == 0) return {tips.front().position, heels.front()};
-  if (next == tips.end()) return {tips.back().position, heels.back()};
-  const double share = (time - tips[row - 1].time) / (next->time - tips[row - 1].time);
-  return {tips[row - 1].position + share * (next->position - tips[row - 1].position),
-          heels[row - 1] + share * (heels[row] - heels[row - 1])};
+  const std::vector<PathPoint>&from = tips.recent(), &to = heels.recent();
+  const auto next = after(from, time);
+  const auto row = static_cast<std::size_t>(next - from.begin());
+  if (row == 0) return {from.front().position, to.front().position};
+  if (next == from.end()) return {from.back().position, to.back().position};
+  const double share = (time - from[row - 1].time) / (next->time - from[row - 1].time);
+  return {from[row - 1].position + share * (next->position - from[row - 1].position),
+          to[row - 1].position + share * (to[row].position - to[row - 1].position)};
 }
 
 void Scalpel::turn_on(bool on) {
-  if (on && !cuts) strokes.emplace_back();
+  if (on && !cuts) {
+    settle();
+    strokes.emplace_back();
+  }
   cuts = on;
+}
+
+bool Scalpel::has_ended(double time) const {
+  return is_away &&
+         (strokes.empty() || strokes.back().tips.empty() || strokes.back().tips.back().time < time);
+}
+
+void Scalpel::settle() {
+  if (strokes.empty()) return;
+  strokes.back().tips.settle();
+  strokes.back().heels.settle();
 }
 
 // The force along the way is the energy divided by the way. If only the tissue has moved there is no way, and
@@ -50,33 +86,32 @@ void Scalpel::begin_frame(double time, double end) {
   if (const auto to = std::exchange(target, std::nullopt))
     pose = {to->position, to->position + Eigen::Quaterniond(to->orientation) * blade};
   if (!cuts) return;
-  auto& [tips, heels] = strokes.back();
-  forget_after(time, tips);
-  heels.resize(tips.size());
-  if (tips.empty()) {
-    tips.push_back({start_of_stroke(time), from.tip});
-    heels.push_back(from.heel);
-  }
-  tips.push_back({end, pose.tip});
-  heels.push_back(pose.heel);
+  Stroke& stroke = strokes.back();
+  stroke.tips.forget_after(time);
+  stroke.heels.forget_after(time);
+  if (stroke.tips.empty()) stroke.push_back(start_of_stroke(time), from);
+  stroke.push_back(end, pose);
 }
 
 std::vector<ScalpelSetup> Scalpel::paths() const {
   std::vector<ScalpelSetup> paths;
-  for (const Stroke& stroke : strokes)
-    if (!stroke.tips.empty()) paths.push_back({name, snap, stroke.tips, stroke.heels, along_faces});
+  for (const Stroke& stroke : strokes) {
+    if (stroke.tips.empty()) continue;
+    ScalpelSetup& path = paths.emplace_back(ScalpelSetup{name, snap, stroke.tips.all(), {}, along_faces});
+    for (const PathPoint& heel : stroke.heels.all()) path.heels.push_back(heel.position);
+  }
   return paths;
 }
 
 void Scalpel::add_work(double from, double to, ToolWork& work) const {
   for (std::size_t i = 0; i < strokes.size(); ++i) {
-    const auto& [tips, heels] = strokes[i];
-    if (tips.empty()) continue;
+    if (strokes[i].tips.empty()) continue;
+    const std::vector<PathPoint>&tips = strokes[i].tips.recent(), &heels = strokes[i].heels.recent();
     const double begin = std::max(from, tips.front().time), end = std::min(to, tips.back().time);
     if (begin > end) continue;
     BladeMove move{id, static_cast<int>(i), snap, strokes[i].at(begin), {}, along_faces};
     for (auto row = after(tips, begin); row != tips.end() && row->time < end; ++row) {
-      move.to = {row->position, heels[std::size_t(row - tips.begin())]};
+      move.to = {row->position, heels[std::size_t(row - tips.begin())].position};
       work.cuts.push_back(move);
       move.from = move.to;
     }
@@ -86,7 +121,7 @@ void Scalpel::add_work(double from, double to, ToolWork& work) const {
 }
 
 std::optional<PlacedTool> Scalpel::placed(double time, const HeldPoints&) const {
-  const bool is_on_path = !strokes.empty() && acts_at(time, strokes.back().tips);
+  const bool is_on_path = !strokes.empty() && acts_at(time, strokes.back().tips.recent());
   if ((!is_live || is_away) && !is_on_path) return std::nullopt;
   const BladePose now = is_live ? pose : strokes.back().at(time);
   return PlacedTool{.name = name,
@@ -99,9 +134,10 @@ std::optional<PlacedTool> Scalpel::placed(double time, const HeldPoints&) const 
 
 bool Scalpel::fits(Index) const {
   return !(cuts && strokes.empty()) && std::all_of(strokes.begin(), strokes.end(), [](const Stroke& stroke) {
-    return is_path(stroke.tips) && stroke.heels.size() == stroke.tips.size() &&
-           std::all_of(stroke.heels.begin(), stroke.heels.end(),
-                       [](const Vec3d& x) { return x.allFinite(); });
+    const std::vector<PathPoint> tips = stroke.tips.all(), heels = stroke.heels.all();
+    return is_path(tips) && is_path(heels) &&
+           std::equal(tips.begin(), tips.end(), heels.begin(), heels.end(),
+                      [](const PathPoint& tip, const PathPoint& heel) { return tip.time == heel.time; });
   });
 }
 

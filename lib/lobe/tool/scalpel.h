@@ -1,6 +1,7 @@
 // A scalpel cuts with an edge that leads from its tip to its heel (scalpel/blades.h).
 #pragma once
 
+#include "lobe/tool/growing_path.h"
 #include "lobe/tool/tool_pose.h"
 
 namespace lobe {
@@ -21,11 +22,11 @@ struct BringScalpel {
 struct Scalpel {
   using Path = ScalpelSetup;
   using Bring = BringScalpel;
-  // From when it begins to cut to when it stops: positions of the tip, and of the heel in each row [m].
+  // From when it begins to cut to when it stops: positions of the tip and of the heel, at the same times [m].
   struct Stroke {
-    std::vector<PathPoint> tips;
-    std::vector<Vec3d> heels;
-    BladePose at(double time) const;
+    GrowingPath tips, heels;
+    void push_back(double time, const BladePose& at);
+    BladePose at(double time) const;  // in the rows at hand
     static constexpr auto fields = std::tuple(&Stroke::tips, &Stroke::heels);
   };
   ToolId id = 0;
@@ -45,11 +46,7 @@ struct Scalpel {
   Vec3d force = Vec3d::Zero(), torque = Vec3d::Zero();
 
   Scalpel() = default;
-  explicit Scalpel(const ScalpelSetup& setup)
-      : name(setup.name),
-        snap(setup.snap),
-        along_faces(setup.along_faces),
-        strokes{{setup.path, setup.heels}} {}
+  explicit Scalpel(const ScalpelSetup& setup);
   explicit Scalpel(const BringScalpel& command)
       : name(command.name),
         snap(command.snap),
@@ -61,6 +58,8 @@ struct Scalpel {
   void lead(const ToolPose& to) { target = to; }
   void let_go() { cuts = false, is_away = true; }
   bool has_gone() const { return is_away; }
+  bool has_ended(double time) const;
+  void settle();
   void turn_on(bool on);
   bool is_on() const { return cuts; }
   ToolShape shape() const { return {.blade = pose.heel - pose.tip}; }

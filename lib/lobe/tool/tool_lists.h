@@ -6,6 +6,8 @@
 //   Bring            the command by which one is made
 //   id, name, is_live
 //   lead(pose), let_go(), has_gone(), is_on(), and turn_on(on) where there is something to turn on: live ones
+//   has_ended(time)  whether a live one was taken away, and its path ended before that time
+//   settle()         packs its path, which grows no more
 //   shape()          what there is to draw
 //   begin_frame(time, end)          the path of a live one grows by what it is to do until then
 //   paths()                         what has been done so far, as tools of a setup

@@ -27,32 +27,23 @@ void for_each_pair(Lists& lists, Others& others, Visit&& visit) {
   (std::make_index_sequence<kinds>());
 }
 
-template <class IsWanted>
-ToolSetups paths_of(const ToolLists& lists, IsWanted&& is_wanted) {
-  ToolSetups setups;
-  for_each_pair(lists, setups, [&](const auto& tools, auto& paths) {
-    for (const auto& tool : tools)
-      if (is_wanted(tool))
-        for (auto& path : tool.paths()) paths.push_back(std::move(path));
-  });
-  return setups;
-}
-
 }  // namespace
 
 Tools::Tools(const ToolSetups& setups) {
   for_each_pair(lists_, setups, [this](auto& tools, const auto& paths) {
     for (const auto& path : paths) tools.emplace_back(path).id = next_++;
   });
-  placed_.resize(std::size_t(next_));
+  list_present();
 }
 
 // ---- Made, moved and taken away
 
 const Grasp* Tools::grasp(ToolId id) const {
-  const auto at = std::find_if(lists_.grasps.begin(), lists_.grasps.end(),
-                               [&](const Grasp& grasp) { return grasp.id == id; });
-  return at == lists_.grasps.end() ? nullptr : &*at;
+  const Grasp* found = nullptr;
+  visit(id, [&]<class Kind>(const Kind& tool) {
+    if constexpr (std::is_same_v<Kind, Grasp>) found = &tool;
+  });
+  return found;
 }
 
 template <class Visit>
@@ -62,7 +53,7 @@ void Tools::visit_live(ToolId id, Visit&& visit) {
     if (tool.has_gone()) refuse(id, "was let go already");
     visit(tool);
   });
-  if (!found) refuse(id, "is not there");
+  if (!found) refuse(id, id > 0 && id < next_ ? "was let go already" : "is not there");
 }
 
 void Tools::lead(ToolId id, const ToolPose& target) {
@@ -94,18 +85,59 @@ std::vector<ToolId> Tools::held_by_hands() const {
   return ids;
 }
 
+// In the order in which they came.
+template <class IsWanted>
+ToolSetups Tools::paths_of(IsWanted&& is_wanted) const {
+  ToolLists all = gone_.lists();
+  for_each_pair(all, lists_, [](auto& tools, const auto& present) {
+    const auto middle = tools.insert(tools.end(), present.begin(), present.end());
+    std::inplace_merge(tools.begin(), middle, tools.end(),
+                       [](const auto& a, const auto& b) { return a.id < b.id; });
+  });
+  ToolSetups setups;
+  for_each_pair(all, setups, [&](const auto& tools, auto& paths) {
+    for (const auto& tool : tools)
+      if (is_wanted(tool))
+        for (auto& path : tool.paths()) paths.push_back(std::move(path));
+  });
+  return setups;
+}
+
 ToolSetups Tools::paths() const {
-  return paths_of(lists_, [](const auto&) { return true; });
+  return paths_of([](const auto&) { return true; });
 }
 
 ToolSetups Tools::live_paths() const {
-  return paths_of(lists_, [](const auto& tool) { return tool.is_live; });
+  return paths_of([](const auto& tool) { return tool.is_live; });
+}
+
+void Tools::list_present() {
+  present_.clear();
+  for_each_tool(lists_, [&](const auto& tool) { present_.push_back(tool.id); });
+  std::sort(present_.begin(), present_.end());
+  placed_.assign(present_.size(), {});
+}
+
+// What it did until now is no work of the frame that begins: it ended before.
+void Tools::set_aside(double time) {
+  for_each_kind(lists_, [&](auto& tools) {
+    std::erase_if(tools, [&](auto& tool) {
+      if (!tool.is_live || !tool.has_ended(time - just_before)) return false;
+      const auto place = std::ptrdiff_t(place_of(tool.id));
+      present_.erase(present_.begin() + place);
+      placed_.erase(placed_.begin() + place);
+      tool.settle();
+      gone_.add(std::move(tool));
+      return true;
+    });
+  });
 }
 
 // ---- A frame
 
 void Tools::begin_frame(double time, double duration) {
-  lobe_assert(placed_.size() == std::size_t(next_), "tools: one place per id");
+  lobe_assert(placed_.size() == present_.size(), "tools: one place per tool");
+  set_aside(time);
   frame_end_ = time + duration;
   time_felt_ = 0;
   impulses_.assign(placed_.size(), {});
@@ -147,7 +179,7 @@ void Tools::place(double time) {
   const double now = std::min(time, frame_end_);
   for (const Grasp& grasp : lists_.grasps) {
     if (grasp.phase != Grasp::Phase::holding) continue;
-    Placed& placed = placed_[std::size_t(grasp.id)];
+    Placed& placed = placed_[place_of(grasp.id)];
     placed.offset = path_at(grasp.path.recent(), now);
     const Eigen::Vector4d orientation = orientation_at(grasp.path.recent(), now);
     placed.is_rotated = orientation != Eigen::Vector4d(0, 0, 0, 1);
@@ -156,7 +188,7 @@ void Tools::place(double time) {
 }
 
 Vec3d Tools::displacement(const HeldVertices::Held& item, const Vec3d& rest) const {
-  const Placed& placed = placed_[std::size_t(item.holder)];
+  const Placed& placed = placed_[place_of(item.holder)];
   if (!placed.is_rotated) return item.start + placed.offset;
   const Vec3d& centre = grasp(item.holder)->centre;
   const Vec3d arm = rest + item.start - centre;
@@ -166,14 +198,14 @@ Vec3d Tools::displacement(const HeldVertices::Held& item, const Vec3d& rest) con
 void Tools::begin_forces() { impulses_of_part_.assign(placed_.size(), {}); }
 
 void Tools::add_force(ToolId holder, const Vec3d& force, const Vec3d& x, double dt) {
-  Impulse& impulse = impulses_of_part_[std::size_t(holder)];
+  Impulse& impulse = impulses_of_part_[place_of(holder)];
   impulse.linear += dt * force;
   impulse.angular += dt * (x - position(*grasp(holder))).cross(force);
 }
 
 void Tools::add_force(const OnTool& on_tool, double dt) {
-  lobe_assert(on_tool.tool > 0 && on_tool.tool < next_, "tools: a force on a tool that there never was");
-  Impulse& impulse = impulses_of_part_[std::size_t(on_tool.tool)];
+  lobe_assert(is_present(on_tool.tool), "tools: a force on a tool that is not there");
+  Impulse& impulse = impulses_of_part_[place_of(on_tool.tool)];
   impulse.linear += dt * on_tool.force;
   impulse.angular += dt * on_tool.torque;
   impulse.grip += dt * on_tool.grip;
@@ -185,12 +217,13 @@ void Tools::end_forces(double duration) {
     // The force on a scalpel is that of the tissue that it opens: Scalpel::cut_by().
     if constexpr (
         requires { tool.force; } && !requires { tool.way; }) {
-      Impulse& impulse = impulses_[std::size_t(tool.id)];
-      impulse.linear += impulses_of_part_[std::size_t(tool.id)].linear;
-      impulse.angular += impulses_of_part_[std::size_t(tool.id)].angular;
+      Impulse& impulse = impulses_[place_of(tool.id)];
+      const Impulse& of_part = impulses_of_part_[place_of(tool.id)];
+      impulse.linear += of_part.linear;
+      impulse.angular += of_part.angular;
       tool.force = impulse.linear / time_felt_;
       tool.torque = impulse.angular / time_felt_;
-      impulse.grip += impulses_of_part_[std::size_t(tool.id)].grip;
+      impulse.grip += of_part.grip;
       if constexpr (requires { tool.grip; }) tool.grip = impulse.grip / time_felt_;
     }
   });
@@ -200,15 +233,22 @@ void Tools::end_forces(double duration) {
 
 void Tools::set_state(const State& state) {
   lists_ = state;
+  gone_ = state.gone;
   next_ = state.next;
-  placed_.assign(std::size_t(next_), {});
+  list_present();
 }
 
 bool Tools::fits(const State& state, Index vertex_count, const ToolSetups& setups) {
-  if (state.next < 1 || state.next > 1'000'000) return false;
+  if (state.next < 1) return false;
   bool fits = true;
+  ToolLists gone = state.gone.lists();
+  for_each_tool(gone, [&](const auto& tool) { fits = fits && tool.is_live && tool.has_gone(); });
   const ToolLists& lists = state;
-  for_each_pair(lists, setups, [&](const auto& tools, const auto& paths) {
+  for_each_pair(gone, lists, [](auto& tools, const auto& present) {
+    tools.insert(tools.end(), present.begin(), present.end());
+    std::sort(tools.begin(), tools.end(), [](const auto& a, const auto& b) { return a.id < b.id; });
+  });
+  for_each_pair(gone, setups, [&](const auto& tools, const auto& paths) {
     ToolId last = 0;
     std::size_t of_scene = 0;
     for (const auto& tool : tools) {

@@ -2,10 +2,12 @@
 // world runs: by commands (tool_lists.h), which an application gives to World::apply().
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <utility>
 
 #include "lobe/body/model.h"
+#include "lobe/tool/gone_tools.h"
 #include "lobe/tool/tool_lists.h"
 
 namespace lobe {
@@ -27,12 +29,13 @@ class Tools {
   void let_go(ToolId id);
   void turn_on(ToolId id, bool on);  // a cautery burns, a scalpel cuts, jaws close; throws for a grasp
 
+  // Those that do something, or did in the last frame.
   const ToolLists& lists() const { return lists_; }
   const Grasp* grasp(ToolId id) const;  // null if there is none
   // Calls visit(tool) for the tool of this id. False if there is none.
   template <class Visit>
   bool visit(ToolId id, Visit&& visit) const {
-    return visit_in(lists_, id, visit);
+    return visit_in(lists_, id, visit) || (id > 0 && !is_present(id) && gone_.visit(id, visit));
   }
   std::vector<ToolId> held_by_hands() const;  // live ones that have not been let go
   // What the tools have done so far, as the tools of a setup.
@@ -41,7 +44,8 @@ class Tools {
 
   // ---- A frame
 
-  // Extends the paths of tools that are moved by hand, from `time` on for the duration [s].
+  // Extends the paths of tools that are moved by hand, from `time` on for the duration [s]. Sets those aside
+  // that do nothing any more.
   void begin_frame(double time, double duration);
   // Takes hold of the vertices that exist(v), and lets go, as the paths say at this time. position(v) gives x
   // [m], displacement(v) gives u [m]. Returns whether anything changed.
@@ -71,7 +75,7 @@ class Tools {
   void place(double time);
   // Displacement of a vertex that a grasp holds [m]; `rest`: its rest position [m].
   Vec3d displacement(const HeldVertices::Held& item, const Vec3d& rest) const;
-  Vec3d position(const Grasp& grasp) const { return grasp.centre + placed_[std::size_t(grasp.id)].offset; }
+  Vec3d position(const Grasp& grasp) const { return grasp.centre + placed_[place_of(grasp.id)].offset; }
   // Forces of grasps on the body: −f of the grasped vertices, summed over steps of dt [s]. A frame in which a
   // grasp takes hold or lets go has several parts. begin_forces() begins a part, or repeats it.
   void begin_forces();
@@ -86,9 +90,10 @@ class Tools {
 
   struct State : ToolLists {
     ToolId next = 1;
-    static constexpr auto fields = std::tuple_cat(ToolLists::fields, std::tuple(&State::next));
+    GoneTools gone = {};
+    static constexpr auto fields = std::tuple_cat(ToolLists::fields, std::tuple(&State::next, &State::gone));
   };
-  State state() const { return {lists_, next_}; }
+  State state() const { return {lists_, next_, gone_}; }
   void set_state(const State& state);
   // Whether a state can belong to a world whose setup has these tools, and which has so many vertices now.
   static bool fits(const State& state, Index vertex_count, const ToolSetups& setups);
@@ -121,11 +126,21 @@ class Tools {
   }
   template <class Visit>
   void visit_live(ToolId id, Visit&& visit);
+  void set_aside(double time);
+  void list_present();
+  std::size_t place_of(ToolId id) const {
+    return std::size_t(std::lower_bound(present_.begin(), present_.end(), id) - present_.begin());
+  }
+  bool is_present(ToolId id) const { return std::binary_search(present_.begin(), present_.end(), id); }
+  template <class IsWanted>
+  ToolSetups paths_of(IsWanted&& is_wanted) const;
 
   ToolLists lists_;
+  GoneTools gone_;
+  std::vector<ToolId> present_;  // ids of lists_, in ascending order
   ToolId next_ = 1;
   double frame_end_ = 0;                              // [s]
-  std::vector<Placed> placed_;                        // by id, as what follows
+  std::vector<Placed> placed_;                        // in the order of present_, as what follows
   std::vector<Impulse> impulses_, impulses_of_part_;  // since the start of the frame, and of the present part
   double time_felt_ = 0;                              // in which impulses_ were found [s]
   std::vector<ToolBody> bodies_;
@@ -139,7 +154,8 @@ void Tools::bring(const Bring& command) {
     using Kind = typename std::remove_reference_t<decltype(tools)>::value_type;
     if constexpr (std::is_same_v<typename Kind::Bring, Bring>) tools.emplace_back(command).id = next_++;
   });
-  placed_.resize(std::size_t(next_));
+  present_.push_back(next_ - 1);
+  placed_.emplace_back();
 }
 
 template <class Displacement, class Position, class Exists>

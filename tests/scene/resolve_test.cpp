@@ -310,8 +310,9 @@ TEST_CASE("tools are resolved, and doubtful ones pointed out") {
   CHECK(result.setup.cauteries[0].path.at(1).position == Vec3d(0.2, 1, 0.05));
   CHECK(warnings(R"({"tools": [
     {"type": "grasp", "where": {"vertices": [0, 1]}, "path": [[0, 0, 0, 0], [1.5, 0, 0, 0]]},
-    {"type": "cautery", "radius": 0.01, "path": [[0, -0.1, 0.3, 0], [0.5, 0.5, 0.3, 0]]}]})") ==
-        "/tools/0: 1 of the 2 vertices it grasps are held by \"boundary\"\n"
+    {"type": "cautery", "radius": 0.01, "path": [[0, -0.1, 30, 0], [0.5, 0.5, 30, 0]]}]})") ==
+        "/tools/0: 1 of the 2 vertices it grasps are held by \"boundary\" in all components, "
+        "and stay there\n"
         "/tools/0/path: ends at 1.5 s, after the run's duration of 1 s\n"
         "/tools/1/path: never comes within its radius of the mesh's bounding box");
 }

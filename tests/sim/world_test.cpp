@@ -133,6 +133,38 @@ TEST_CASE("a grasp takes hold, follows its path and lets go") {
   CHECK(placed_tools(world).empty());
 }
 
+TEST_CASE("a grasp moves the free components of vertices that slide, and leaves the others where they are") {
+  const double side = 0.03, pressed = 0.1;
+  Setup setup = setup_of(box_mesh({side, side, side}, 3, 3, 3));
+  setup.damping = 40;
+  std::vector<Index> top;
+  for (Index v = 0; v < setup.mesh.vertex_count(); ++v) {
+    const Vec3d X = setup.mesh.points.col(v);
+    const Axes sides{X.x() == 0 || X.x() == side, X.y() == 0 || X.y() == side, X.z() == 0};
+    if (sides != Axes{}) setup.prescribed.push_back({v, Vec3d::Zero(), sides});
+    if (X.z() == side) top.push_back(v);
+  }
+  setup.grasps.push_back(
+      {"plate", top, {{0, {0, 0, 0}}, {0.2, {0, 0, -pressed * side}}, {1.5, {0, 0, -pressed * side}}}, true});
+  World<double> world(setup);
+  const auto until = [&](double time) {
+    while (world.time() < time - 1e-9) REQUIRE(world.advance(0.02).ok);
+  };
+  until(1.4);
+  const Elastic& material = setup.materials[0];
+  const double F = 1 - pressed, strain = (F * F - 1) / 2;  // of Green and Lagrange
+  const double force = side * side * (material.lambda + 2 * material.mu) * F * strain;
+  CHECK(world.body().reaction(1).z() == near(force, 1e-6));
+  CHECK(world.body().reaction(1).head<2>().norm() < 1e-6 * std::abs(force));
+  for (const Index v : top) CHECK(world.state().u(2, v) == near(-pressed * side, 1e-12));
+  until(2.4);
+  CHECK(world.held().all().size() == setup.prescribed.size());
+  CHECK(world.state().u.cwiseAbs().maxCoeff() < 1e-4 * side);
+  for (const PrescribedVertex& p : setup.prescribed)
+    for (int axis = 0; axis < 3; ++axis)
+      if (p.axes[axis]) CHECK(world.state().u(axis, p.vertex) == 0);
+}
+
 TEST_CASE("a vertex slides along the components that are not prescribed, and its reaction has none there") {
   Setup setup = setup_of(box_mesh({0.03, 0.03, 0.03}, 2, 2, 2));
   setup.gravity = {0, 0, -10};

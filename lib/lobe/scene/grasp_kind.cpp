@@ -49,14 +49,15 @@ void resolve_grasp(Resolution& resolution, const Tool& tool, const std::string& 
   if (vertices.empty() && tool.copies.empty() && resolution.faults.size() == before) {
     resolution.fail_empty(here + "/where", "vertex");
   }
-  std::set<Index> held;
-  for (const PrescribedVertex& p : setup.prescribed) held.insert(p.vertex);
-  const auto fixed =
-      std::count_if(vertices.begin(), vertices.end(), [&](Index v) { return held.contains(v); });
-  if (fixed > 0) {
-    resolution.warn(here, std::to_string(fixed) + " of the " +
+  std::set<Index> fixed;
+  for (const PrescribedVertex& p : setup.prescribed)
+    if (p.axes == all_axes) fixed.insert(p.vertex);
+  const auto unmoved =
+      std::count_if(vertices.begin(), vertices.end(), [&](Index v) { return fixed.contains(v); });
+  if (unmoved > 0) {
+    resolution.warn(here, std::to_string(unmoved) + " of the " +
                               counted(vertices.size(), "vertex", "vertices") +
-                              " it grasps are held by \"boundary\"");
+                              " it grasps are held by \"boundary\" in all components, and stay there");
   }
   add_copies(resolution, tool, here + "/copies", vertices);
   setup.grasps.push_back({tool.name, vertices, tool.path, tool.release});

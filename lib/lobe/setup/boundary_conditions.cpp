@@ -114,29 +114,34 @@ std::uint8_t bits(const Axes& axes) {
 
 }  // namespace
 
-void HeldVertices::hold(const Held& item) {
-  if (holds(item.vertex)) return add_axes(item);
+void HeldVertices::hold(Held item) {
   if (item.vertex >= static_cast<Index>(held_.size())) held_.resize(std::size_t(item.vertex) + 1, 0);
-  held_[item.vertex] = bits(item.axes);
-  items_.push_back(item);
+  std::uint8_t& held = held_[item.vertex];
+  for (int i = 0; i < 3; ++i) item.axes[i] = item.axes[i] && (held >> i & 1) == 0;
+  if (item.axes == Axes{}) return;
+  if (held == 0 || !joins(item)) items_.push_back(item);
+  held |= bits(item.axes);
 }
 
-void HeldVertices::add_axes(const Held& item) {
-  if (fixes(item.vertex) || item.holder != boundary) return;
-  Held& held = *std::find_if(items_.begin(), items_.end(),
-                             [&](const Held& i) { return i.vertex == item.vertex && i.holder == boundary; });
+// Components that boundary conditions hold are together in one item.
+bool HeldVertices::joins(const Held& item) {
+  if (item.holder != boundary) return false;
+  const auto same = std::find_if(items_.begin(), items_.end(), [&](const Held& i) {
+    return i.vertex == item.vertex && i.holder == boundary;
+  });
+  if (same == items_.end()) return false;
   for (int i = 0; i < 3; ++i) {
-    if (held.axes[i] || !item.axes[i]) continue;
-    held.axes[i] = true;
-    held.start[i] = item.start[i];
-    held.goal[i] = item.goal[i];
+    if (!item.axes[i]) continue;
+    same->axes[i] = true;
+    same->start[i] = item.start[i];
+    same->goal[i] = item.goal[i];
   }
-  held_[item.vertex] = bits(held.axes);
+  return true;
 }
 
 void HeldVertices::release(int holder) {
   for (const Held& item : items_)
-    if (item.holder == holder) held_[item.vertex] = 0;
+    if (item.holder == holder) held_[item.vertex] &= static_cast<std::uint8_t>(~bits(item.axes));
   std::erase_if(items_, [&](const Held& item) { return item.holder == holder; });
 }
 
@@ -152,9 +157,13 @@ int HeldVertices::holder_of(Index v) const {
 
 void HeldVertices::split(Index vertex, Index copy) {
   if (!holds(vertex)) return;
-  Held item = *std::find_if(items_.begin(), items_.end(), [&](const Held& i) { return i.vertex == vertex; });
-  item.vertex = copy;
-  hold(item);
+  const std::size_t count = items_.size();
+  for (std::size_t i = 0; i < count; ++i) {
+    if (items_[i].vertex != vertex) continue;
+    Held item = items_[i];
+    item.vertex = copy;
+    hold(item);
+  }
 }
 
 HeldVertices held_by(const std::vector<PrescribedVertex>& prescribed) {

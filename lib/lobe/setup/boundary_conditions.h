@@ -44,8 +44,8 @@ Eigen::Vector4d orientation_at(const std::vector<PathPoint>& path, double time);
 double opening_at(const std::vector<PathPoint>& path, double time);  // of jaws [m]
 
 // Held vertices: boundary conditions (holder 0) or a grasp (holder: its ToolId, above 0) prescribe their
-// displacement. The first holder of a vertex keeps it. Boundary conditions may hold different components of
-// one vertex; for each component the first one counts.
+// displacement. The first holder of a component of a vertex keeps it: a grasp moves the components that no
+// boundary condition holds.
 class HeldVertices {
  public:
   struct Held {
@@ -53,7 +53,7 @@ class HeldVertices {
     int holder = 0;
     Vec3d start = Vec3d::Zero();  // displacement when it was taken hold of [m]
     Vec3d goal = Vec3d::Zero();   // holder 0: displacement after the ramp [m]
-    Axes axes = all_axes;         // holder 0: the components that are held
+    Axes axes = all_axes;         // the components that are held
     bool operator==(const Held&) const = default;
     bool is_valid() const {  // as read back: no memory for vertices that no mesh has
       return vertex >= 0 && vertex < 100'000'000 && start.allFinite() && goal.allFinite();
@@ -76,13 +76,13 @@ class HeldVertices {
     return held;
   }
 
-  void hold(const Held& item);
+  void hold(Held item);  // those of its components that are free
   void release(int holder);
   void free(Index vertex);
   void split(Index vertex, Index copy);  // the copy is held as the vertex is
 
  private:
-  void add_axes(const Held& item);
+  bool joins(const Held& item);
   std::uint8_t axes_of(Index v) const { return v < static_cast<Index>(held_.size()) ? held_[v] : 0; }
 
   std::vector<Held> items_;

@@ -128,7 +128,10 @@ void World<Real>::add_tool_forces(double dt) {
   for (const HeldVertices::Held& item : held().all()) {
     if (item.holder == HeldVertices::boundary) continue;
     const Vec3d x = elements().points.col(item.vertex) + motion.u.col(item.vertex).template cast<double>();
-    tools_.add_force(item.holder, -motion.forces.col(item.vertex).template cast<double>(), x, dt);
+    Vec3d force = -motion.forces.col(item.vertex).template cast<double>();
+    for (int i = 0; i < 3; ++i)
+      if (!item.axes[i]) force[i] = 0;
+    tools_.add_force(item.holder, force, x, dt);
   }
   for (const auto& term : body_.terms)
     for (const OnTool& on_tool : term->on_tools()) tools_.add_force(on_tool, dt);

@@ -317,6 +317,47 @@ TEST_CASE("tools are resolved, and doubtful ones pointed out") {
         "/tools/1/path: never comes within its radius of the mesh's bounding box");
 }
 
+TEST_CASE("a piece that nothing holds is named, one that a held piece or a grasp holds is not") {
+  const TetMesh one = box_mesh({0.1, 0.1, 0.1}, 1, 1, 1);
+  const auto with_second = [&](double x) {  // another box of six tetrahedra
+    TetMesh two = one;
+    two.points.conservativeResize(3, 16);
+    two.points.rightCols<8>() = one.points.colwise() + Vec3d(x, 0, 0);
+    two.tets.conservativeResize(4, 12);
+    two.tets.rightCols<6>() = one.tets.array() + 8;
+    two.labels.resize(12, 0);
+    return two;
+  };
+  const auto said = [](const TetMesh& mesh, const std::string& more) {
+    return resolve(
+               parse_scene(R"({"mesh": "m.vtu", "materials": [{"young_modulus": 3e4, "poisson_ratio": 0.3}],
+      "boundary": [{"fix": true, "where": {"vertices": [0, 1, 2, 3]}}])" +
+                               more + "}",
+                           "s"),
+               mesh)
+        .warnings;
+  };
+  CHECK(said(with_second(0.15), "") ==
+        std::vector<std::string>{
+            "/boundary: a piece of 6 tetrahedra, among them 6, is not held and can move freely"});
+  CHECK(said(one, "").empty());
+  CHECK(said(with_second(0.15),
+             R"(, "tools": [{"type": "grasp", "where": {"vertices": [9]}, "path": [[0, 0, 0, 0]]}])")
+            .empty());
+  TetMesh touching = with_second(0.1);
+  for (Index& v : touching.tets.reshaped())
+    if (v == 8) v = 1;  // they have the vertex at (0.1, 0, 0) in common
+  CHECK(said(touching, "").empty());
+}
+
+TEST_CASE("a cautery beside the body at rest is pointed out, unless something may move the body there") {
+  const std::string cautery =
+      R"("tools": [{"type": "cautery", "radius": 0.01, "path": [[0, -0.1, 0.3, 0], [0.5, 0.5, 0.3, 0]]}])";
+  CHECK(warnings("{" + cautery + "}") ==
+        "/tools/0/path: never comes within its radius of the mesh's bounding box");
+  CHECK(warnings(R"({"gravity": [0, 0, -1], )" + cautery + "}").find("never comes") == std::string::npos);
+}
+
 TEST_CASE("a grasp may name copies, which cuts make, beside vertices of the mesh or alone") {
   const Scene read = scene(R"({"tools": [
     {"type": "grasp", "where": {"vertices": [4, 7]}, "copies": [22, 20], "path": [[0, 0, 0, 0]]},

@@ -21,9 +21,20 @@ bool meets_box(const Vec3d& a, const Vec3d& b, const Vec3d& low, const Vec3d& hi
   return enter <= leave;
 }
 
-bool passes_near(const Tool& tool, const TetMesh& mesh) {
+// How far the body may move from its box at rest: gravity, loads or other tools may carry it as far as it is
+// long.
+double reach_of(const Scene& scene, const TetMesh& mesh) {
+  const auto moves = [](const Boundary& entry) { return entry.value != Vec3d::Zero(); };
+  const bool is_moved = scene.gravity != Vec3d::Zero() || scene.tools.size() > 1 ||
+                        std::any_of(scene.boundary.begin(), scene.boundary.end(), moves);
   const Box box = bounding_box(mesh);
-  const Vec3d low = box.min.array() - tool.radius, high = box.max.array() + tool.radius;
+  return is_moved ? (box.max - box.min).norm() : 0;
+}
+
+bool passes_near(const Tool& tool, const TetMesh& mesh, double reach) {
+  const Box box = bounding_box(mesh);
+  const double margin = tool.radius + reach;
+  const Vec3d low = box.min.array() - margin, high = box.max.array() + margin;
   for (std::size_t i = 0; i < tool.path.size(); ++i) {
     const std::size_t next = std::min(i + 1, tool.path.size() - 1);
     if (meets_box(tool.path[i].position, tool.path[next].position, low, high)) return true;
@@ -39,7 +50,7 @@ void write_cautery(const Tool& tool, nlohmann::ordered_json& entry) { entry["rad
 
 void resolve_cautery(Resolution& resolution, const Tool& tool, const std::string& here) {
   resolution.result.setup.cauteries.push_back({tool.name, tool.radius, tool.path});
-  if (!passes_near(tool, resolution.mesh()))
+  if (!passes_near(tool, resolution.mesh(), reach_of(resolution.scene, resolution.mesh())))
     resolution.warn(here + "/path", "never comes within its radius of the mesh's bounding box");
 }
 

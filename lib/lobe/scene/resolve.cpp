@@ -252,6 +252,7 @@ Resolved resolve(const Scene& scene, TetMesh mesh, const ResolveOptions& options
   resolve_contact(resolution);
   resolve_gestures(resolution);
   if (!resolution.faults.empty()) throw InputError(std::move(resolution.faults));
+  warn_of_unheld_pieces(resolution);
   warn_of_units(resolution);
   check_precomputed(resolution);
   check_reduced(resolution);

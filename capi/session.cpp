@@ -7,6 +7,7 @@
 #include "lobe/io/mesh_io.h"
 #include "lobe/live/session_scene.h"
 #include "lobe/run/recording.h"
+#include "lobe/scene/bind_groups.h"
 #include "lobe/scene/read_scene.h"
 #include "lobe/scene/write_scene.h"
 #include "lobe/text.h"
@@ -143,7 +144,9 @@ bool SessionOf<Real>::fill(lobe_surface& surface) {
 std::unique_ptr<lobe_session> open(Scene scene, const lobe_options& options) {
   const Axes axes(options.axes);
   const SessionOptions chosen = session_options(options);
-  Resolved resolved = resolve(scene, read_mesh(mesh_path(scene)).mesh);
+  MeshFile mesh = read_mesh(mesh_path(scene));
+  bind_groups(mesh, scene);
+  Resolved resolved = resolve(scene, std::move(mesh.mesh));
   std::unique_ptr<lobe_session> made;
   if (scene.in_double())
     made = std::make_unique<SessionOf<double>>(std::move(scene), std::move(resolved), chosen);

@@ -14,6 +14,7 @@
 #include "lobe/error.h"
 #include "lobe/haptic/trial.h"
 #include "lobe/io/mesh_io.h"
+#include "lobe/scene/bind_groups.h"
 #include "lobe/scene/read_scene.h"
 #include "page_files.h"
 #include "token.h"
@@ -112,6 +113,7 @@ std::pair<Scene, Resolved> load(const Arguments& options) {
   if (temporary && is_beside(scene)) temporary->mesh = mesh_path(scene);
   if (!options.mesh.empty()) scene.mesh = std::filesystem::absolute(options.mesh);
   MeshFile mesh = read_mesh(mesh_path(scene));
+  bind_groups(mesh, scene);
   print_warnings(mesh.warnings());
   const auto resolved_with_progress = [&] {
     ProgressBar bar("choosing regions");

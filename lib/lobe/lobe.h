@@ -139,6 +139,7 @@
 #include "lobe/run/recording.h"
 #include "lobe/run/run.h"
 #include "lobe/run/solve.h"
+#include "lobe/scene/bind_groups.h"
 #include "lobe/scene/check_scene.h"
 #include "lobe/scene/describe.h"
 #include "lobe/scene/frames.h"

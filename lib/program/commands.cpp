@@ -14,9 +14,11 @@
 #include "lobe/io/mesh_io.h"
 #include "lobe/linearity/total_error.h"
 #include "lobe/mesh/quality.h"
+#include "lobe/mesh/topology.h"
 #include "lobe/run/recording.h"
 #include "lobe/run/run.h"
 #include "lobe/run/solve.h"
+#include "lobe/scene/bind_groups.h"
 #include "lobe/scene/describe.h"
 #include "lobe/scene/read_scene.h"
 #include "lobe/scene/unit_checks.h"
@@ -39,6 +41,7 @@ Loaded load(const SceneOptions& options, bool choose_regions = true) {
   Scene scene = read_scene(options.scene);
   if (!options.mesh.empty()) scene.mesh = std::filesystem::absolute(options.mesh);
   MeshFile mesh = read_mesh(mesh_path(scene));
+  bind_groups(mesh, scene);
   std::vector<std::string> warnings = mesh.warnings();
   ProgressBar bar("choosing regions");
   Resolved resolved =
@@ -74,6 +77,19 @@ Json total_error_json(const std::vector<TotalError>& errors) {
   return list;
 }
 
+Json surfaces_json(const std::vector<SurfaceGroup>& surfaces) {
+  Json list = Json::array();
+  for (const SurfaceGroup& group : surfaces)
+    list.push_back({{"number", group.number}, {"name", group.name}, {"triangles", group.triangles.size()}});
+  return list;
+}
+
+Json label_names_json(const std::map<int, std::string>& names) {
+  Json object = Json::object();
+  for (const auto& [label, name] : names) object[std::to_string(label)] = name;
+  return object;
+}
+
 Json info_json(const MeshFile& file, const InfoOptions& options) {
   const TetMesh& mesh = file.mesh;
   const Quality q = mesh_quality(mesh);
@@ -86,6 +102,9 @@ Json info_json(const MeshFile& file, const InfoOptions& options) {
       {"vertices", mesh.vertex_count()},
       {"tetrahedra", mesh.tet_count()},
       {"labels", labels},
+      {"label_names", label_names_json(file.label_names)},
+      {"surfaces", surfaces_json(file.surfaces)},
+      {"pieces", Topology(mesh).pieces().size()},
       {"reoriented", file.prepared.reoriented},
       {"unreferenced_vertices", file.prepared.unreferenced},
       {"ignored_cells", file.ignored_cells},
@@ -111,7 +130,13 @@ void print_info(const Json& j) {
   std::printf("vertices            %d\ntetrahedra          %d\n", j["vertices"].get<int>(),
               j["tetrahedra"].get<int>());
   for (const auto& [label, count] : j["labels"].items())
-    std::printf("  label %-11s %d\n", label.c_str(), count.get<int>());
+    std::printf("  label %-11s %d%s\n", label.c_str(), count.get<int>(),
+                j["label_names"].contains(label) ? (" " + j["label_names"][label].dump()).c_str() : "");
+  for (const Json& surface : j["surfaces"])
+    std::printf("  surface %-9d %d triangles%s\n", surface["number"].get<int>(),
+                surface["triangles"].get<int>(),
+                surface["name"] == "" ? "" : (" " + surface["name"].dump()).c_str());
+  std::printf("pieces              %d\n", j["pieces"].get<int>());
   std::printf("bounding box        [%g, %g, %g] … [%g, %g, %g] m\n", number("/bounding_box_m/min/0"),
               number("/bounding_box_m/min/1"), number("/bounding_box_m/min/2"),
               number("/bounding_box_m/max/0"), number("/bounding_box_m/max/1"),

@@ -27,6 +27,8 @@ std::vector<DataArray> data_arrays(Arrays& arrays) {
 }
 
 void write(const std::filesystem::path& output, MeshFile& file) {
+  if (!file.surfaces.empty() || !file.label_names.empty())
+    print_warnings({output.string() + ": the groups of surfaces and the names of labels are left out"});
   if (output.extension() == ".vtu")
     return write_vtu(output, file.mesh, data_arrays(file.point_data), data_arrays(file.cell_data));
   if (!file.point_data.empty() || !file.cell_data.empty())

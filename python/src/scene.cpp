@@ -1,6 +1,7 @@
 #include "scene.h"
 
 #include "lobe/io/mesh_io.h"
+#include "lobe/scene/bind_groups.h"
 
 namespace lobe::python {
 namespace {
@@ -25,7 +26,10 @@ const Resolved& PyScene::resolved() const {
   const py::gil_scoped_release others_run;
   const std::lock_guard lock(mutex_);
   if (!resolved_) {
-    Resolved resolved = resolve(scene_, mesh_ ? *mesh_ : read_mesh(mesh_path(scene_)).mesh, {!choice_});
+    Scene scene = scene_;
+    MeshFile file;
+    if (!mesh_) bind_groups(file = read_mesh(mesh_path(scene_)), scene);
+    Resolved resolved = resolve(scene, mesh_ ? *mesh_ : std::move(file.mesh), {!choice_});
     if (choice_) take_choice(*choice_, resolved);
     resolved_ = std::make_unique<const Resolved>(std::move(resolved));
   }

@@ -82,7 +82,10 @@ TEST_CASE("Gmsh 1: node numbers with gaps, regions as labels, elements of other 
   CHECK(file.mesh.tets.col(0) == Eigen::Vector4i(0, 1, 2, 3));
   CHECK(file.mesh.tets.col(1) == Eigen::Vector4i(1, 2, 3, 4));
   CHECK(file.mesh.labels == std::vector<int>{5, 6});
-  CHECK(file.ignored_cells == 2);
+  CHECK(file.ignored_cells == 1);
+  REQUIRE(file.surfaces.size() == 1);
+  CHECK(file.surfaces[0].number == 9);
+  CHECK(file.surfaces[0].triangles == std::vector<std::array<Index, 3>>{{0, 1, 2}});
   CHECK(total_volume(file.mesh) == near(1.0 / 6 + 2.5 / 6, 1e-15));
 }
 
@@ -105,6 +108,35 @@ TEST_CASE("Gmsh: without groups labels are the numbers of the volumes, if there 
   CHECK(read_gmsh(format41 + entities + nodes41 + tets41).mesh.labels == std::vector<int>{4, 5});
 }
 
+TEST_CASE("Gmsh: physical surfaces are groups of triangles, names are those of their dimension") {
+  const std::string names =
+      "$PhysicalNames\n4\n2 2 \"left side\"\n3 2 \"liver\"\n2 6 \"unused\"\n1 2 "
+      "\"edge\"\n$EndPhysicalNames\n";
+  const MeshFile two = read_gmsh(format22 + names + nodes22 +
+                                 "$Elements\n5\n1 4 2 2 9 10 7 3000000000 2\n2 2 2 2 1 10 7 2\n"
+                                 "3 2 2 4 1 10 7 2\n4 2 2 2 1 7 10 3000000000\n5 2 2 0 3 7 2 3000000000\n"
+                                 "$EndElements\n");
+  REQUIRE(two.surfaces.size() == 2);
+  CHECK(two.surfaces[0].number == 2);
+  CHECK(two.surfaces[0].name == "left side");
+  CHECK(two.surfaces[0].triangles == std::vector<std::array<Index, 3>>{{0, 1, 3}, {1, 0, 2}});
+  CHECK(two.surfaces[1].number == 4);
+  CHECK(two.surfaces[1].name == "");
+  CHECK(two.label_names == std::map<int, std::string>{{2, "liver"}});
+  CHECK(two.ignored_cells == 1);  // of no group
+  const MeshFile four = read_gmsh(
+      format41 + fixture::edited(entities41, "1 0 0 0 1 1 1 1 98 1 1", "1 0 0 0 1 1 1 2 98 -2 0") + names +
+      nodes41 + "$Elements\n2 2 1 2\n3 4 4 1\n1 50 1 2 3\n2 1 2 1\n2 1 2 3\n$EndElements\n");
+  REQUIRE(four.surfaces.size() == 2);
+  CHECK(four.surfaces[0].name == "left side");
+  CHECK(four.surfaces[1].number == 98);
+  for (const SurfaceGroup& surface : four.surfaces)
+    CHECK(surface.triangles == std::vector<std::array<Index, 3>>{{1, 2, 3}});
+  CHECK_CONTAINS(
+      fault_in_gmsh(format22 + "$PhysicalNames\n1\n3 5 liver\n$EndPhysicalNames\n" + nodes22 + tet22),
+      "expected the name of a group in quotes");
+}
+
 TEST_CASE("Gmsh: of ten-node tetrahedra the corners are taken") {
   const std::string nodes =
       "$Nodes\n10\n1 .5 0 0\n2 .5 .5 0\n3 0 .5 0\n4 0 0 .5\n5 0 .5 .5\n6 .5 0 .5\n"
@@ -115,7 +147,9 @@ TEST_CASE("Gmsh: of ten-node tetrahedra the corners are taken") {
   CHECK(file.mesh.points.cols() == 4);
   CHECK(file.mesh.points.col(1) == Vec3d(1, 0, 0));
   CHECK(file.mesh.labels == std::vector<int>{5});
-  CHECK(file.ignored_cells == 1);
+  CHECK(file.ignored_cells == 0);
+  REQUIRE(file.surfaces.size() == 1);
+  CHECK(file.surfaces[0].triangles == std::vector<std::array<Index, 3>>{{0, 1, 2}});
   CHECK(total_volume(file.mesh) == near(1.0 / 6, 1e-15));
 }
 

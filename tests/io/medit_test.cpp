@@ -21,7 +21,10 @@ TEST_CASE("MEDIT: comments and sections of no interest are skipped") {
                                    "Tetrahedra # one\n1\n1 2 3 4 -5\nEnd\nwhatever");
   CHECK(file.mesh.tet_count() == 1);
   CHECK(file.mesh.labels == std::vector<int>{-5});
-  CHECK(file.ignored_cells == 1);
+  CHECK(file.ignored_cells == 0);
+  REQUIRE(file.surfaces.size() == 1);
+  CHECK(file.surfaces[0].number == 4);
+  CHECK(file.surfaces[0].triangles == std::vector<std::array<Index, 3>>{{0, 1, 2}});
 }
 
 TEST_CASE("MEDIT: of ten-node tetrahedra the corners are taken") {

@@ -188,7 +188,7 @@ TEST_CASE("a selector is one of eleven, with sensible values") {
   const std::string here = "/regions/0/where";
   const std::string one =
       ": needs exactly one of \"all\", \"all_of\", \"any_of\", \"box\", \"label\", \"nearest\", "
-      "\"not\", \"plane\", \"sphere\", \"tetrahedra\" or \"vertices\"";
+      "\"not\", \"plane\", \"sphere\", \"surface\", \"tetrahedra\" or \"vertices\"";
   CHECK(region("{}") == here + one);
   CHECK(region(R"({"all": true, "label": 1})") == here + one + ", has 2");
   CHECK(region("true") == here + ": true, must be an object");
@@ -208,7 +208,7 @@ TEST_CASE("a selector is one of eleven, with sensible values") {
         here + "/plane/within: -1, must be at least 0");
   CHECK(region(R"({"nearest": {"point": [0, 0, 0], "count": 0}})") ==
         here + "/nearest/count: 0, must be at least 1");
-  CHECK(region(R"({"label": 1.5})") == here + "/label: 1.5, must be an integer or an array");
+  CHECK(region(R"({"label": 1.5})") == here + "/label: 1.5, must be an integer, a string or an array");
   CHECK(region(R"({"label": []})") == here + "/label: 0 items, must be at least 1");
   CHECK(region(R"({"vertices": [0, -1]})") == here + "/vertices/1: -1, must be at least 0");
   CHECK(region(R"({"tetrahedra": [3000000000]})") ==

@@ -5,6 +5,9 @@
 
 #include "lobe/error.h"
 #include "lobe/mesh/generators.h"
+#include "lobe/scene/bind_groups.h"
+#include "lobe/scene/read_scene.h"
+#include "lobe/scene/write_scene.h"
 
 using namespace lobe;
 
@@ -121,4 +124,79 @@ TEST_CASE("an index beyond the mesh is named") {
       "/regions/0/where/any_of/1/not/tetrahedra/0: -1, must be from 0 to 95: the mesh has 96 "
       "tetrahedra",
       InputError);
+}
+
+namespace {
+
+// The faces of the box at x = 0, and one of them again.
+MeshFile with_groups() {
+  MeshFile file;
+  file.mesh = mesh;
+  SurfaceGroup left{4, "left", {}};
+  for (const TetFace& face : outer_faces(mesh)) {
+    const int* c = face_corners[face.face];
+    const std::array<Index, 3> v{mesh.tets(c[1], face.tet), mesh.tets(c[0], face.tet),
+                                 mesh.tets(c[2], face.tet)};
+    if (mesh.points(0, v[0]) + mesh.points(0, v[1]) + mesh.points(0, v[2]) == 0) left.triangles.push_back(v);
+  }
+  file.surfaces = {left, {5, "", {left.triangles[0]}}};
+  file.label_names[1] = "stiff";
+  return file;
+}
+
+Scene selecting(const std::string& selector) {
+  return parse_scene(R"({"mesh": "m.msh", "materials": [{"lame_lambda": 1, "lame_mu": 1}],
+    "boundary": [{"traction": [1, 0, 0], "where": )" +
+                         selector + "}]}",
+                     "s.json");
+}
+
+Selector bound(const std::string& selector) {
+  Scene scene = selecting(selector);
+  bind_groups(with_groups(), scene);
+  return scene.boundary[0].where;
+}
+
+std::string fault_in_binding(const std::string& selector) {
+  try {
+    bound(selector);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+}  // namespace
+
+TEST_CASE("a surface selects its own faces, their vertices, and the tetrahedra that have them") {
+  CHECK(faces(bound(R"({"surface": "left"})")) == 8);
+  CHECK(vertices(bound(R"({"surface": 4})")) == 9);
+  CHECK(tets(bound(R"({"surface": "left"})")) == 8);
+  CHECK(faces(bound(R"({"surface": 5})")) == 1);
+  CHECK(faces(bound(R"({"surface": ["left", 5]})")) == 8);
+  CHECK(faces(bound(R"({"not": {"surface": "5"}})")) == 79);  // but not by their three vertices
+  CHECK(faces(bound(R"({"all_of": [{"surface": "left"}, {"not": {"surface": 5}}]})")) == 7);
+  CHECK(
+      faces(bound(
+          R"({"any_of": [{"surface": 5}, {"plane": {"point": [4, 0, 0], "normal": [1, 0, 0], "within": 0}}]})")) ==
+      9);
+  CHECK(tets(bound(R"({"label": "stiff"})")) == 12);
+  CHECK(tets(bound(R"({"label": [0, "stiff"]})")) == 96);
+}
+
+TEST_CASE("names of surfaces and labels that the file does not have are refused, with those that it has") {
+  CHECK(fault_in_binding(R"({"surface": "lefd"})") ==
+        "/boundary/0/where/surface: the mesh's file names no surface \"lefd\"; it names \"left\", \"5\"; did "
+        "you mean \"left\"?");
+  CHECK(fault_in_binding(R"({"any_of": [{"all": true}, {"label": "soft"}]})") ==
+        "/boundary/0/where/any_of/1/label: the mesh's file names no label \"soft\"; it names \"stiff\"");
+  const Scene unbound = selecting(R"({"surface": "left"})");
+  CHECK_THROWS_WITH_AS(select_faces(unbound.boundary[0].where, mesh, outer_faces(mesh), "/w"),
+                       "/w/surface: surfaces are known only where the mesh is read from a file", InputError);
+  const Scene kept = parse_scene(
+      to_json(selecting(R"({"any_of": [{"surface": [4, "left"]}, {"label": ["stiff", 2]}]})")), "s");
+  const auto& parts = std::get<SelectAnyOf>(kept.boundary[0].where.value).parts;
+  CHECK(std::get<SelectSurface>(parts[0].value).names == std::vector<std::string>{"4", "left"});
+  CHECK(std::get<SelectLabel>(parts[1].value).names == std::vector<std::string>{"stiff"});
+  CHECK(std::get<SelectLabel>(parts[1].value).labels == std::vector<int>{2});
 }

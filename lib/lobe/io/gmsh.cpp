@@ -11,7 +11,8 @@
 namespace lobe::io {
 namespace {
 
-constexpr int tetrahedron = 4, ten_node_tetrahedron = 11;  // Gmsh's numbers of element types
+// Gmsh's numbers of element types.
+constexpr int triangle = 2, tetrahedron = 4, six_node_triangle = 9, ten_node_tetrahedron = 11;
 
 // Nodes of each element type (gmsh.info, "MSH file format").
 const std::map<std::int64_t, std::size_t> nodes_of_type = {
@@ -39,6 +40,7 @@ std::string kind_of(std::int64_t type) {
 }
 
 bool is_tetrahedron(std::int64_t type) { return type == tetrahedron || type == ten_node_tetrahedron; }
+bool is_triangle(std::int64_t type) { return type == triangle || type == six_node_triangle; }
 
 class GmshReader {
  public:
@@ -60,6 +62,7 @@ class GmshReader {
     if (raw_.coordinates.empty())
       scan_.fail("the file has no " + nodes_section() + " section; it is truncated");
     label_by_entities();
+    name_groups();
     return std::move(raw_);
   }
 
@@ -91,7 +94,11 @@ class GmshReader {
     const bool known = version_ == 1
                            ? section == "$NOD" || section == "$ELM"
                            : section == "$Nodes" || section == "$Elements" || section == "$Entities";
-    if (!known) {  // physical names, results, comments
+    if (section == "$PhysicalNames") {
+      read_names();
+      return scan_.expect(end);
+    }
+    if (!known) {  // results, comments
       if (!scan_.skip_past_line(end)) scan_.fail("expected " + end + "; the file is truncated");
       return;
     }
@@ -105,6 +112,19 @@ class GmshReader {
     else
       version_ == 4 ? read_elements_4() : read_elements_2();
     scan_.expect(end);
+  }
+
+  // Each: dimension, number, name in quotes. Text in binary files, too.
+  void read_names() {
+    const std::int64_t count = scan_.integer("the number of names");
+    for (std::int64_t i = 0; i < count && !scan_.at_end(); ++i) {
+      const std::int64_t dimension = scan_.integer("the dimension of a group"),
+                         group = scan_.integer("the number of a group");
+      const std::string_view rest = scan_.line();
+      const std::size_t begin = rest.find('"'), last = rest.rfind('"');
+      if (begin == last) scan_.fail("expected the name of a group in quotes");
+      names_.push_back({dimension, label(group), std::string(rest.substr(begin + 1, last - begin - 1))});
+    }
   }
 
   // ---- Numbers, text or binary.
@@ -175,6 +195,7 @@ class GmshReader {
     for (std::size_t g = 0; g < groups; ++g) {
       const std::int64_t group = integer("a physical group");
       if (dimension == 3 && g == 0) label_of_volume_[entity] = label(group < 0 ? -group : group);
+      if (dimension == 2) groups_of_surface_[entity].push_back(label(group < 0 ? -group : group));
     }
     if (dimension == 0) return;
     const std::size_t bounds = count("bounding entities", 2, 4);
@@ -202,10 +223,18 @@ class GmshReader {
     return found->second;
   }
 
-  // `next_node` reads the number of a node.
+  // `next_node` reads the number of a node; `groups` are those of a triangle.
   template <class NextNode>
-  void add_nodes(std::int64_t element, std::int64_t type, const NextNode& next_node) {
+  void add_nodes(std::int64_t element, std::int64_t type, const std::vector<int>& groups,
+                 const NextNode& next_node) {
     const std::size_t nodes = nodes_of(type);
+    if (is_triangle(type) && !groups.empty()) {
+      std::array<Index, 3> corners{};
+      for (std::size_t k = 0; k < nodes; ++k)
+        if (const std::int64_t node = next_node(); k < 3) corners[k] = vertex(element, node);
+      for (const int group : groups) raw_.surfaces[group].triangles.push_back(corners);
+      return;
+    }
     if (!is_tetrahedron(type)) {
       for (std::size_t k = 0; k < nodes; ++k) next_node();
       ++raw_.ignored[kind_of(type)];
@@ -227,6 +256,15 @@ class GmshReader {
       return;
     for (std::size_t t = 0; t < entities_.size(); ++t) raw_.labels[t] = label(entities_[t]);
     raw_.notes.push_back("no tetrahedron is in a physical group: labels are the numbers of the volumes");
+  }
+
+  void name_groups() {
+    for (const Name& name : names_) {
+      if (name.dimension == 3) raw_.label_names[name.group] = name.text;
+      if (name.dimension != 2) continue;
+      const auto group = raw_.surfaces.find(name.group);
+      if (group != raw_.surfaces.end()) group->second.name = name.text;
+    }
   }
 
   // Each: number, type, physical group, entity, number of nodes, nodes.
@@ -279,7 +317,8 @@ class GmshReader {
       raw_.labels.push_back(label(group));
       entities_.push_back(entity);
     }
-    add_nodes(element, type, [&] { return integer("a node of an element"); });
+    const std::vector<int> groups = group == 0 ? std::vector<int>{} : std::vector<int>{label(group)};
+    add_nodes(element, type, groups, [&] { return integer("a node of an element"); });
   }
 
   void read_elements_4() {
@@ -292,6 +331,9 @@ class GmshReader {
       const std::size_t nodes = nodes_of(type);
       const std::size_t elements = count("elements", 2 + 2 * nodes, 8 + 8 * nodes);
       const auto volume = label_of_volume_.find(entity);
+      const auto surface = groups_of_surface_.find(entity);
+      const std::vector<int> groups =
+          dimension == 2 && surface != groups_of_surface_.end() ? surface->second : std::vector<int>{};
       const int group = dimension == 3 && volume != label_of_volume_.end() ? volume->second : 0;
       for (std::size_t i = 0; i < elements; ++i) {
         const std::int64_t element = tag("an element");
@@ -299,7 +341,7 @@ class GmshReader {
           raw_.labels.push_back(group);
           entities_.push_back(entity);
         }
-        add_nodes(element, type, [&] { return tag("a node of an element"); });
+        add_nodes(element, type, groups, [&] { return tag("a node of an element"); });
       }
     }
   }
@@ -309,6 +351,13 @@ class GmshReader {
   int version_ = 0;
   std::unordered_map<std::int64_t, Index> vertex_of_;
   std::unordered_map<std::int64_t, int> label_of_volume_;
+  std::unordered_map<std::int64_t, std::vector<int>> groups_of_surface_;
+  struct Name {
+    std::int64_t dimension;
+    int group;
+    std::string text;
+  };
+  std::vector<Name> names_;
   std::vector<std::int64_t> entities_;  // of each tetrahedron
   std::vector<Index> vertices_;         // of the element that is read
 };

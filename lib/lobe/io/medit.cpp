@@ -12,9 +12,10 @@ struct OtherCell {
   int vertices;
 };
 const std::map<std::string, OtherCell> other_cells = {
-    {"edges", {"line", 2}},           {"triangles", {"triangle", 3}},  {"quadrilaterals", {"quadrangle", 4}},
-    {"hexahedra", {"hexahedron", 8}}, {"hexaedra", {"hexahedron", 8}}, {"prisms", {"wedge", 6}},
-    {"pentahedra", {"wedge", 6}},     {"pyramids", {"pyramid", 5}}};
+    {"edges", {"line", 2}},           {"quadrilaterals", {"quadrangle", 4}},
+    {"hexahedra", {"hexahedron", 8}}, {"hexaedra", {"hexahedron", 8}},
+    {"prisms", {"wedge", 6}},         {"pentahedra", {"wedge", 6}},
+    {"pyramids", {"pyramid", 5}}};
 
 bool starts_keyword(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); }
 
@@ -40,6 +41,18 @@ void read_tetrahedra(Scanner& scan, std::size_t nodes, RawMesh& raw) {
     nodes == 4 ? (void)raw.corners.insert(raw.corners.end(), corners.begin(), corners.end())
                : add_ten_node(corners, raw);
     raw.labels.push_back(static_cast<int>(scan.integer("a reference", -max_index, max_index)));
+  }
+}
+
+// Their references, but 0, are groups.
+void read_triangles(Scanner& scan, RawMesh& raw) {
+  const auto vertices = static_cast<std::int64_t>(raw.coordinates.size() / 3);
+  const std::size_t count = scan.count("triangles", 8);
+  for (std::size_t i = 0; i < count; ++i) {
+    std::array<Index, 3> triangle;
+    for (Index& v : triangle) v = static_cast<Index>(scan.integer("a vertex of a triangle", 1, vertices) - 1);
+    const int group = static_cast<int>(scan.integer("a reference", -max_index, max_index));
+    group == 0 ? (void)++raw.ignored["triangle"] : raw.surfaces[group].triangles.push_back(triangle);
   }
 }
 
@@ -72,6 +85,8 @@ RawMesh read_medit(const std::string& name, std::string_view bytes) {
       read_tetrahedra(scan, 4, raw);
     else if (keyword == "tetrahedrap2")
       read_tetrahedra(scan, 10, raw);
+    else if (keyword == "triangles")
+      read_triangles(scan, raw);
     else if (const auto cells = other_cells.find(keyword); cells != other_cells.end())
       skip_cells(scan, cells->second, raw);
     else if (!starts_keyword(keyword.front()))

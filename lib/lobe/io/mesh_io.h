@@ -1,6 +1,7 @@
 // Tetrahedral meshes in and out.
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <map>
 #include <string>
@@ -9,6 +10,13 @@
 #include "lobe/mesh/tet_mesh.h"
 
 namespace lobe {
+
+// Triangles that a file has put into a group, for a scene to select.
+struct SurfaceGroup {
+  int number = 0;
+  std::string name;  // may be empty
+  std::vector<std::array<Index, 3>> triangles;
+};
 
 // Reads by extension: .vtu (ascii, inline or appended base64, raw appended; uncompressed or zlib), .vtk
 // (legacy 2.0 … 5.1, ascii and binary), .msh, .msh2 (Gmsh 1, ascii; 2.2 and 4.1, ascii and binary), .mesh
@@ -23,6 +31,8 @@ struct MeshFile {
   PrepareReport prepared;
   std::vector<std::string> notes;  // one line each: what was taken for labels, what was left out
   Index ignored_cells = 0;
+  std::vector<SurfaceGroup> surfaces;        // physical surfaces (Gmsh), references of triangles (MEDIT)
+  std::map<int, std::string> label_names{};  // of physical volumes (Gmsh)
   std::map<std::string, Eigen::MatrixXd> point_data;  // #components × #vertices (VTU only)
   std::map<std::string, Eigen::MatrixXd> cell_data;   // #components × #tetrahedra (VTU only), but "label"
   std::vector<std::string> warnings() const;          // the notes, and what prepare() noticed

@@ -40,6 +40,9 @@ std::vector<Index> leave_out_middles(RawMesh& raw) {
   std::vector<char> stays(count, 1);
   for (const Index v : raw.middles) stays[std::size_t(v)] = 0;
   for (const Index v : raw.corners) stays[std::size_t(v)] = 1;
+  for (const auto& [of, group] : raw.surfaces)
+    for (const auto& triangle : group.triangles)
+      for (const Index v : triangle) stays[std::size_t(v)] = 1;
   std::vector<Index> left, number(count, -1);
   for (std::size_t v = 0; v < count; ++v) {
     if (!stays[v]) continue;
@@ -49,6 +52,9 @@ std::vector<Index> leave_out_middles(RawMesh& raw) {
   }
   raw.coordinates.resize(3 * left.size());
   for (Index& v : raw.corners) v = number[std::size_t(v)];
+  for (auto& [of, group] : raw.surfaces)
+    for (auto& triangle : group.triangles)
+      for (Index& v : triangle) v = number[std::size_t(v)];
   raw.notes.push_back(std::to_string(raw.ten_node) +
                       (raw.ten_node == 1 ? " tetrahedron has" : " tetrahedra have") +
                       " ten nodes: the corners are taken, " + std::to_string(count - left.size()) +
@@ -81,6 +87,11 @@ MeshFile finish(RawMesh raw, const std::string& name, std::vector<Index>* kept) 
   file.mesh.labels = std::move(raw.labels);
   file.ignored_cells = number_of(raw.ignored);
   file.notes = std::move(raw.notes);
+  for (auto& [number, group] : raw.surfaces) {
+    group.number = number;
+    if (!group.triangles.empty()) file.surfaces.push_back(std::move(group));
+  }
+  file.label_names = std::move(raw.label_names);
   file.prepared = prepare(file.mesh, name);
   return file;
 }

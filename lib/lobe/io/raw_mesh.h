@@ -19,6 +19,8 @@ struct RawMesh {
   std::vector<Index> middles;            // vertices in the middle of edges, of which only the ends are taken
   Index ten_node = 0;                    // tetrahedra that have such vertices
   std::vector<std::string> notes;        // what MeshFile says
+  std::map<int, SurfaceGroup> surfaces;  // by number
+  std::map<int, std::string> label_names;
 };
 
 constexpr std::int64_t max_index = 2147483647;  // of an Index, and of a label

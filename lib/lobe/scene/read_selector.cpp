@@ -17,9 +17,21 @@ SelectPlane read_plane(const json& plane) {
   return select;
 }
 
-SelectLabel read_labels(const json& label) {
-  if (label.is_array()) return {label.get<std::vector<int>>()};
-  return {{label.get<int>()}};
+// One, or a list of them.
+json as_list(const json& value) { return value.is_array() ? value : json::array({value}); }
+
+SelectLabel read_labels(const json& value) {
+  SelectLabel select;
+  for (const json& label : as_list(value))
+    label.is_string() ? select.names.push_back(label) : select.labels.push_back(label);
+  return select;
+}
+
+SelectSurface read_surfaces(const json& value) {
+  SelectSurface select;
+  for (const json& surface : as_list(value))
+    select.names.push_back(surface.is_string() ? surface.get<std::string>() : surface.dump());
+  return select;
 }
 
 std::vector<Selector> read_parts(const json& array) {
@@ -42,6 +54,7 @@ Selector read_selector(const nlohmann::json& object) {
   if (key == "plane") return {read_plane(value)};
   if (key == "nearest") return {SelectNearest{read_vector(value["point"]), value["count"].get<int>()}};
   if (key == "label") return {read_labels(value)};
+  if (key == "surface") return {read_surfaces(value)};
   if (key == "vertices") return {SelectVertices{value.get<std::vector<Index>>()}};
   if (key == "tetrahedra") return {SelectTetrahedra{value.get<std::vector<Index>>()}};
   if (key == "any_of") return {SelectAnyOf{read_parts(value)}};

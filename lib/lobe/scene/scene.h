@@ -1,6 +1,7 @@
 // A scene as plain structs: what the JSON of docs/scene.md says, in SI units, defaults included.
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -15,7 +16,7 @@
 namespace lobe {
 
 // ---- Selectors. A tetrahedron is selected by its barycentre, a vertex by its rest position, a boundary face
-// when its three vertices are.
+// when its three vertices are, or if a surface that the mesh's file names has it.
 struct Selector;
 struct SelectAll {};
 struct SelectBox {
@@ -37,7 +38,13 @@ struct SelectNearest {
 };  // the `count` nearest vertices (or tetrahedra)
 struct SelectLabel {
   std::vector<int> labels;
-};  // tetrahedra; vertices of such tetrahedra
+  std::vector<std::string> names = {};  // that the mesh's file has for further ones, until bind_groups()
+};                                      // tetrahedra; vertices of such tetrahedra
+struct SelectSurface {
+  std::vector<std::string> names;  // or numbers, of groups of triangles that the mesh's file has
+  std::vector<std::array<Index, 3>> triangles = {};  // that bind_groups() finds for them
+  bool is_bound = false;
+};  // boundary faces; their vertices; tetrahedra that have such a face
 struct SelectVertices {
   std::vector<Index> vertices;
 };
@@ -55,7 +62,7 @@ struct SelectNot {
 };  // exactly one
 struct Selector {
   std::variant<SelectAll, SelectBox, SelectSphere, SelectPlane, SelectNearest, SelectLabel, SelectVertices,
-               SelectTetrahedra, SelectAnyOf, SelectAllOf, SelectNot>
+               SelectTetrahedra, SelectSurface, SelectAnyOf, SelectAllOf, SelectNot>
       value;
 };
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <numeric>
+#include <set>
 
 #include "lobe/error.h"
 
@@ -10,6 +11,24 @@ namespace lobe {
 namespace {
 
 using Mask = std::vector<char>;  // one per vertex or per tetrahedron
+
+std::array<Index, 3> sorted(std::array<Index, 3> triangle) {
+  std::sort(triangle.begin(), triangle.end());
+  return triangle;
+}
+
+std::array<Index, 3> sorted_face(const TetMesh& mesh, const TetFace& face) {
+  const int* c = face_corners[face.face];
+  return sorted({mesh.tets(c[0], face.tet), mesh.tets(c[1], face.tet), mesh.tets(c[2], face.tet)});
+}
+
+std::set<std::array<Index, 3>> sorted_triangles(const SelectSurface& select, const std::string& place) {
+  if (!select.is_bound)
+    throw InputError(place + "/surface", "surfaces are known only where the mesh is read from a file");
+  std::set<std::array<Index, 3>> triangles;
+  for (const auto& triangle : select.triangles) triangles.insert(sorted(triangle));
+  return triangles;
+}
 
 // Evaluates a selector on the points of one kind of item: vertices, or barycentres of tetrahedra.
 class Evaluation {
@@ -84,7 +103,9 @@ class Evaluation {
     return chosen;
   }
 
-  Mask mask(const SelectLabel& select, const std::string&) const {
+  Mask mask(const SelectLabel& select, const std::string& place) const {
+    if (!select.names.empty())
+      throw InputError(place + "/label", "names of labels are known only where the mesh is read from a file");
     Mask tets(static_cast<std::size_t>(mesh_.tet_count()), 0);
     for (std::size_t t = 0; t < tets.size() && t < mesh_.labels.size(); ++t) {
       tets[t] = std::find(select.labels.begin(), select.labels.end(), mesh_.labels[t]) != select.labels.end();
@@ -108,6 +129,20 @@ class Evaluation {
       });
     }
     return tets;
+  }
+
+  Mask mask(const SelectSurface& select, const std::string& place) const {
+    const std::set<std::array<Index, 3>> triangles = sorted_triangles(select, place);
+    Mask chosen(size(), 0);
+    if (kind_ == Kind::vertices) {
+      for (const auto& triangle : triangles)
+        for (const Index v : triangle) chosen[std::size_t(v)] = 1;
+      return chosen;
+    }
+    for (Index t = 0; t < mesh_.tet_count(); ++t)
+      for (int face = 0; face < 4; ++face)
+        if (triangles.contains(sorted_face(mesh_, {t, face}))) chosen[std::size_t(t)] = 1;
+    return chosen;
   }
 
   Mask mask(const SelectAnyOf& any, const std::string& place) const {
@@ -191,17 +226,76 @@ std::vector<Index> select_tets(const Selector& selector, const TetMesh& mesh, co
   return indices(Evaluation(mesh, Evaluation::Kind::tets).mask(selector, place));
 }
 
+namespace {
+
+bool names_surface(const Selector& selector) {
+  const auto any = [](const std::vector<Selector>& parts) {
+    return std::any_of(parts.begin(), parts.end(), names_surface);
+  };
+  if (std::holds_alternative<SelectSurface>(selector.value)) return true;
+  if (const auto* some = std::get_if<SelectAnyOf>(&selector.value)) return any(some->parts);
+  if (const auto* all = std::get_if<SelectAllOf>(&selector.value)) return any(all->parts);
+  const auto* negated = std::get_if<SelectNot>(&selector.value);
+  return negated && any(negated->part);
+}
+
+// Selects faces: those of a surface one by one, others by their three vertices.
+class FaceEvaluation {
+ public:
+  FaceEvaluation(const TetMesh& mesh, const std::vector<TetFace>& faces) : mesh_(mesh), faces_(faces) {}
+
+  Mask mask(const Selector& selector, const std::string& place) const {
+    if (!names_surface(selector)) return by_vertices(selector, place);
+    if (const auto* surface = std::get_if<SelectSurface>(&selector.value)) {
+      const auto triangles = sorted_triangles(*surface, place);
+      return where([&](const TetFace& face) { return triangles.contains(sorted_face(mesh_, face)); });
+    }
+    if (const auto* any = std::get_if<SelectAnyOf>(&selector.value))
+      return combined(any->parts, place + "/any_of/", [](char a, char b) { return char(a | b); });
+    if (const auto* all = std::get_if<SelectAllOf>(&selector.value))
+      return combined(all->parts, place + "/all_of/", [](char a, char b) { return char(a & b); });
+    Mask chosen = mask(std::get<SelectNot>(selector.value).part.at(0), place + "/not");
+    for (char& item : chosen) item = !item;
+    return chosen;
+  }
+
+ private:
+  template <class Test>
+  Mask where(const Test& test) const {
+    Mask chosen;
+    for (const TetFace& face : faces_) chosen.push_back(test(face));
+    return chosen;
+  }
+  Mask by_vertices(const Selector& selector, const std::string& place) const {
+    const Mask chosen = vertex_mask(selector, mesh_, place);
+    return where([&](const TetFace& face) {
+      const auto corners = sorted_face(mesh_, face);
+      return std::all_of(corners.begin(), corners.end(),
+                         [&](Index v) { return chosen[std::size_t(v)] != 0; });
+    });
+  }
+  template <class Join>
+  Mask combined(const std::vector<Selector>& parts, const std::string& list, const Join& join) const {
+    Mask chosen = mask(parts.at(0), list + "0");
+    for (std::size_t i = 1; i < parts.size(); ++i) {
+      const Mask part = mask(parts[i], list + std::to_string(i));
+      for (std::size_t k = 0; k < chosen.size(); ++k) chosen[k] = join(chosen[k], part[k]);
+    }
+    return chosen;
+  }
+
+  const TetMesh& mesh_;
+  const std::vector<TetFace>& faces_;
+};
+
+}  // namespace
+
 std::vector<TetFace> select_faces(const Selector& selector, const TetMesh& mesh,
                                   const std::vector<TetFace>& faces, const std::string& place) {
-  const Mask chosen = vertex_mask(selector, mesh, place);
+  const Mask chosen = FaceEvaluation(mesh, faces).mask(selector, place);
   std::vector<TetFace> selected;
-  for (const TetFace& face : faces) {
-    const auto inside = [&](int corner) {
-      return chosen[static_cast<std::size_t>(mesh.tets(corner, face.tet))] != 0;
-    };
-    const auto& corners = face_corners[face.face];
-    if (inside(corners[0]) && inside(corners[1]) && inside(corners[2])) selected.push_back(face);
-  }
+  for (std::size_t i = 0; i < faces.size(); ++i)
+    if (chosen[i]) selected.push_back(faces[i]);
   return selected;
 }
 

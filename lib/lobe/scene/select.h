@@ -1,7 +1,8 @@
 // Finds the vertices, tetrahedra or boundary faces that a selector selects on a mesh.
 //
-// A tetrahedron is selected by its barycentre, a boundary face when its three vertices are. Boxes, spheres
-// and planes include their surface; "above" and "below" both include the plane. Vertices that belong to no
+// A tetrahedron is selected by its barycentre, a boundary face when its three vertices are. Where one names
+// a surface, boundary faces are selected one by one, and each other part by their three vertices. Boxes,
+// spheres and planes include their surface; "above" and "below" both include the plane. Vertices of no
 // tetrahedron are never selected. O(#vertices + #tetrahedra) per simple selector.
 #pragma once
 

@@ -43,7 +43,12 @@ ordered_json write(const SelectPlane& plane) {
 ordered_json write(const SelectNearest& nearest) {
   return {{"nearest", {{"point", vector_json(nearest.point)}, {"count", nearest.count}}}};
 }
-ordered_json write(const SelectLabel& label) { return {{"label", label.labels}}; }
+ordered_json write(const SelectLabel& label) {
+  ordered_json labels = label.labels;
+  for (const std::string& name : label.names) labels.push_back(name);
+  return {{"label", labels}};
+}
+ordered_json write(const SelectSurface& select) { return {{"surface", select.names}}; }
 ordered_json write(const SelectVertices& select) { return {{"vertices", select.vertices}}; }
 ordered_json write(const SelectTetrahedra& select) { return {{"tetrahedra", select.tetrahedra}}; }
 ordered_json write(const SelectAnyOf& any) { return {{"any_of", parts(any.parts)}}; }

@@ -1,0 +1,120 @@
+#include "lobe/scene/bind_groups.h"
+
+#include <algorithm>
+
+#include "lobe/error.h"
+#include "lobe/scene/nearest_word.h"
+
+namespace lobe {
+namespace {
+
+class GroupBinder {
+ public:
+  explicit GroupBinder(const MeshFile& mesh) : mesh_(mesh) {}
+
+  void bind(Scene& scene) {
+    each(scene.materials, "/materials/");
+    each(scene.regions, "/regions/");
+    each(scene.boundary, "/boundary/");
+    each(scene.tools, "/tools/");
+    if (scene.auto_regions) each(scene.auto_regions->gestures, "/regions/auto/gestures/");
+    for (std::size_t i = 0; i < scene.materials.size(); ++i)
+      if (auto* field = harmonic(scene.materials[i])) {
+        const std::string place = "/materials/" + std::to_string(i) + "/fibre/harmonic";
+        bind(field->from, place + "/from");
+        bind(field->to, place + "/to");
+      }
+    if (!faults_.empty()) throw InputError(std::move(faults_));
+  }
+
+ private:
+  static FibreHarmonic* harmonic(Material& material) {
+    return material.fibre ? std::get_if<FibreHarmonic>(&*material.fibre) : nullptr;
+  }
+
+  template <class Entry>
+  void each(std::vector<Entry>& entries, const std::string& list) {
+    for (std::size_t i = 0; i < entries.size(); ++i)
+      bind(entries[i].where, list + std::to_string(i) + "/where");
+  }
+  void bind(std::optional<Selector>& selector, const std::string& place) {
+    if (selector) bind(*selector, place);
+  }
+  void bind(Selector& selector, const std::string& place) {
+    std::visit([&](auto& select) { bind_one(select, place); }, selector.value);
+  }
+  template <class Select>
+  void bind_one(Select&, const std::string&) {}  // names no group
+  void bind_one(SelectAnyOf& any, const std::string& place) { bind_parts(any.parts, place + "/any_of/"); }
+  void bind_one(SelectAllOf& all, const std::string& place) { bind_parts(all.parts, place + "/all_of/"); }
+  void bind_one(SelectNot& negated, const std::string& place) {
+    for (Selector& part : negated.part) bind(part, place + "/not");
+  }
+  void bind_parts(std::vector<Selector>& parts, const std::string& list) {
+    for (std::size_t i = 0; i < parts.size(); ++i) bind(parts[i], list + std::to_string(i));
+  }
+
+  void bind_one(SelectSurface& select, const std::string& place) {
+    select.triangles.clear();
+    select.is_bound = true;
+    for (const std::string& name : select.names) {
+      const SurfaceGroup* group = surface(name);
+      if (group)
+        select.triangles.insert(select.triangles.end(), group->triangles.begin(), group->triangles.end());
+      else
+        refuse(place + "/surface", "surface", name, surfaces());
+    }
+  }
+
+  void bind_one(SelectLabel& select, const std::string& place) {
+    for (const std::string& name : select.names) {
+      const auto named = std::find_if(mesh_.label_names.begin(), mesh_.label_names.end(),
+                                      [&](const auto& label) { return label.second == name; });
+      if (named != mesh_.label_names.end())
+        select.labels.push_back(named->first);
+      else
+        refuse(place + "/label", "label", name, labels());
+    }
+    select.names.clear();
+  }
+
+  const SurfaceGroup* surface(const std::string& name) const {
+    for (const SurfaceGroup& group : mesh_.surfaces)
+      if (group.name == name) return &group;
+    for (const SurfaceGroup& group : mesh_.surfaces)
+      if (std::to_string(group.number) == name) return &group;
+    return nullptr;
+  }
+
+  std::vector<std::string> surfaces() const {
+    std::vector<std::string> names;
+    for (const SurfaceGroup& group : mesh_.surfaces)
+      names.push_back(group.name.empty() ? std::to_string(group.number) : group.name);
+    return names;
+  }
+  std::vector<std::string> labels() const {
+    std::vector<std::string> names;
+    for (const auto& [number, name] : mesh_.label_names) names.push_back(name);
+    return names;
+  }
+
+  void refuse(const std::string& place, const std::string& what, const std::string& name,
+              const std::vector<std::string>& known) {
+    std::string text = "the mesh's file names no " + what + " \"" + name + "\"";
+    for (std::size_t i = 0; i < known.size(); ++i)
+      text += (i == 0 ? "; it names \"" : ", \"") + known[i] + "\"";
+    if (known.empty()) text += ", nor any other";
+    const std::string nearest = nearest_word(name, known);
+    if (!nearest.empty()) text += "; did you mean \"" + nearest + "\"?";
+    faults_.push_back({place, text});
+  }
+
+  const MeshFile& mesh_;
+  std::vector<Fault> faults_;
+};
+
+}  // namespace
+
+void bind_groups(const MeshFile& mesh, Scene& scene) { GroupBinder(mesh).bind(scene); }
+
+}  // namespace lobe

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lobe/run/solve.h"
 #include "lobe/scene/frames.h"
 #include "lobe/sim/world.h"
 #include "near.h"
@@ -292,4 +293,73 @@ TEST_CASE("the report tells what a scalpel has cut, as a world does that plays t
 
   play(write_scene_files(folder), folder.path / "other");
   CHECK_FALSE(report_in(folder.path / "other").contains("scalpel"));
+}
+
+namespace {
+
+// The beam between walls without friction, pressed together by a tenth of its length: one strain everywhere.
+Json pressed_beam() {
+  Json scene = small_scene();
+  const auto wall = [](const Json& displacement, int axis, double at) {
+    Json point{0, 0, 0}, normal{0, 0, 0};
+    point[std::size_t(axis)] = at;
+    normal[std::size_t(axis)] = 1;
+    return Json{{"displacement", displacement},
+                {"where", {{"plane", {{"point", point}, {"normal", normal}, {"within", 1e-9}}}}}};
+  };
+  scene["boundary"] = {wall({0, nullptr, nullptr}, 0, 0), wall({-0.008, nullptr, nullptr}, 0, 0.08)};
+  for (const double at : {0.0, 0.02}) {
+    scene["boundary"].push_back(wall({nullptr, 0, nullptr}, 1, at));
+    scene["boundary"].push_back(wall({nullptr, nullptr, 0}, 2, at));
+  }
+  for (const char* key : {"regions", "gravity", "tools", "volume_penalty"}) scene.erase(key);
+  scene["time"]["precision"] = "double";
+  scene["time"]["duration"] = 1;
+  scene["time"]["damping"] = 60;
+  return scene;
+}
+
+void check_pressed(const Json& reactions) {
+  REQUIRE(reactions.size() == 6);
+  const double strain = (0.9 * 0.9 - 1) / 2, along = 0.02 * 0.02 * 6e4 * 0.9 * strain,
+               across = 0.02 * 0.08 * 4e4 * strain;  // A (λ + 2μ) F E, and that of λ E on the rest area
+  const Vec3d expected[] = {{-along, 0, 0},  {along, 0, 0},  {0, -across, 0},
+                            {0, 0, -across}, {0, across, 0}, {0, 0, across}};
+  for (std::size_t i = 0; i < 6; ++i) {
+    CHECK(reactions[i]["entry"] == "/boundary/" + std::to_string(i));
+    for (std::size_t k = 0; k < 3; ++k)
+      CHECK(reactions[i]["force"][k].get<double>() ==
+            near(expected[i][Eigen::Index(k)], 1e-6, std::abs(along)));
+  }
+}
+
+// The rows of the point array reaction sum up to nothing, its first row at one end to the force there.
+void check_array(const std::filesystem::path& file, double force) {
+  const MeshFile read = read_mesh(file);
+  REQUIRE(read.point_data.contains("reaction"));
+  const Eigen::MatrixXd& reaction = read.point_data.at("reaction");
+  REQUIRE(reaction.cols() == read.mesh.vertex_count());
+  double at_end = 0;
+  for (Index v = 0; v < read.mesh.vertex_count(); ++v)
+    if (read.mesh.points(0, v) == 0) at_end += reaction(0, v);
+  CHECK(at_end == near(force, 1e-6));
+  CHECK(reaction.rowwise().sum().cwiseAbs().maxCoeff() < 1e-6 * std::abs(force));
+}
+
+}  // namespace
+
+TEST_CASE("reactions of each entry of the boundary are the exact ones, in a solution and in a run") {
+  const Folder folder;
+  const std::filesystem::path file = write_scene_files(folder, pressed_beam());
+  const Scene scene = read_scene(file);
+  solve_scene(scene, resolve(scene, read_mesh(mesh_path(scene)).mesh),
+              {folder.path / "solved", 1, {}, make_ldlt, false, {}});
+  play(file, folder.path / "played");
+  const double force = 0.02 * 0.02 * 6e4 * 0.9 * (1 - 0.9 * 0.9) / 2;
+  check_pressed(report_in(folder.path / "solved")["reactions"]);
+  check_array(folder.path / "solved" / "solution.vtu", force);
+  const Json report = report_in(folder.path / "played");
+  CHECK(report["series"].front()["reactions"][1]["force"][0].get<double>() == 0);
+  check_pressed(report["series"].back()["reactions"]);
+  check_array(folder.path / "played" / frame_name(report["frames"].get<std::size_t>() - 1), force);
 }

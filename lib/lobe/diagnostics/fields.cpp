@@ -41,7 +41,8 @@ TetFields tet_fields(const Elements& elements, Index tet, const Mat34<double>& u
 }
 
 void write_frame(const std::filesystem::path& file, const Elements& elements, const Mat3X<double>& u,
-                 const Mat3X<double>& v, const std::vector<std::uint8_t>& is_embedded) {
+                 const Mat3X<double>& v, const std::vector<std::uint8_t>& is_embedded,
+                 const Mat3X<double>& reactions) {
   using Type = DataArray::Type;
   const Topology& topology = elements.topology;
   const Eigen::Index n = topology.alive_count();
@@ -77,7 +78,9 @@ void write_frame(const std::filesystem::path& file, const Elements& elements, co
   for (DataArray* array : {&region, &ratio, &strain, &stress, &von_mises, &density, &source})
     cells.push_back(std::move(*array));
   if (!is_embedded.empty()) cells.push_back(embedded_cells(elements, there, is_embedded));
-  write_vtu(file, mesh, {{"displacement", u, Type::float64}, {"velocity", v, Type::float64}}, cells);
+  std::vector<DataArray> points{{"displacement", u, Type::float64}, {"velocity", v, Type::float64}};
+  if (reactions.cols() > 0) points.push_back({"reaction", reactions, Type::float64});
+  write_vtu(file, mesh, points, cells);
 }
 
 DataArray embedded_cells(const Elements& elements, const std::vector<Index>& tets,

@@ -74,7 +74,7 @@ std::vector<std::uint8_t> embedded(const World<Real>& world) {
 }  // namespace
 
 template <class Real>
-void FrameWriter::record(World<Real>& world, bool last) {
+void FrameWriter::record(World<Real>& world, const Mat3X<double>& reactions, bool last) {
   const bool frame_due = world.time() >= next_frame_ - just_before;
   const bool picture_due = next_picture_ < output_.pictures.size() &&
                            world.time() >= output_.pictures[next_picture_] - just_before;
@@ -87,7 +87,7 @@ void FrameWriter::record(World<Real>& world, bool last) {
   if (const Grains* grains = world.grains())
     write_grain_frame(directory_ / frame, world.elements(), *grains, u, v, embedded(world));
   else
-    write_frame(directory_ / frame, world.elements(), u, v, embedded(world));
+    write_frame(directory_ / frame, world.elements(), u, v, embedded(world), reactions);
   frames_.emplace_back(world.time(), frame);
   if (frame_due) next_frame_ = output_.every * (std::floor((world.time() + just_before) / output_.every) + 1);
   const bool something_left = world.elements().topology.alive_count() > 0;  // an empty mesh cannot be drawn
@@ -129,7 +129,7 @@ std::filesystem::path FrameWriter::finish() const {
   return file;
 }
 
-template void FrameWriter::record(World<float>&, bool);
-template void FrameWriter::record(World<double>&, bool);
+template void FrameWriter::record(World<float>&, const Mat3X<double>&, bool);
+template void FrameWriter::record(World<double>&, const Mat3X<double>&, bool);
 
 }  // namespace lobe

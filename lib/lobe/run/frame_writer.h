@@ -19,8 +19,9 @@ class FrameWriter {
       : output_(output), obstacles_(std::move(obstacles)), directory_(std::move(directory)) {}
 
   // Writes a frame if a frame or a picture is due at the world's time. With `last` it writes one in any case.
+  // `reactions`: 3 × #vertices [N], or no column. Frames of a body that a blade has cut have none.
   template <class Real>
-  void record(World<Real>& world, bool last);
+  void record(World<Real>& world, const Mat3X<double>& reactions, bool last);
 
   // DIR/series.pvd and, if pictures were asked for, DIR/pictures.json, whose path is returned (else empty).
   std::filesystem::path finish() const;

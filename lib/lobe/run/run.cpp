@@ -8,6 +8,7 @@
 #include "lobe/error.h"
 #include "lobe/file/atomic_file.h"
 #include "lobe/run/frame_writer.h"
+#include "lobe/run/reactions.h"
 #include "lobe/run/recording.h"
 #include "lobe/run/report_json.h"
 #include "lobe/run/results_folder.h"
@@ -27,14 +28,18 @@ double seconds_since(Clock::time_point start) {
 }
 
 template <class Real>
-bool play(World<Real>& world, const Scene& scene, const RunOptions& options, FrameWriter& frame_writer,
-          Totals& totals, LinearityResults<Real>& watched, MassResults<Real>& masses,
-          ReducedResults<Real>& reduced) {
+bool play(World<Real>& world, const Scene& scene, const Resolved& resolved, const RunOptions& options,
+          FrameWriter& frame_writer, Totals& totals, LinearityResults<Real>& watched,
+          MassResults<Real>& masses, ReducedResults<Real>& reduced) {
   const Frames frames = frames_of(scene.time);
   const auto record = [&](bool last) {
     const Clock::time_point start = Clock::now();
-    frame_writer.record(world, last);
-    totals.series.push_back(state_json(world));
+    Mat3X<double> reactions;
+    if (!resolved.held.empty()) reactions = reactions_of(world);
+    frame_writer.record(world, reactions, last);
+    Json& state = totals.series.emplace_back(state_json(world));
+    if (!resolved.held.empty())
+      state["reactions"] = reactions_json(resolved.held, world.elements(), reactions);
     totals.output_seconds += seconds_since(start);
   };
   record(false);
@@ -94,7 +99,7 @@ RunResult run(const Scene& scene, const Resolved& resolved, const RunOptions& op
   LinearityResults<Real> watched(world, scene, resolved);
   MassResults<Real> masses(world, scene);
   ReducedResults<Real> reduced(world, scene);
-  result.ok = play(world, scene, options, frame_writer, totals, watched, masses, reduced);
+  result.ok = play(world, scene, resolved, options, frame_writer, totals, watched, masses, reduced);
   result.picture_request = frame_writer.finish();
   for (const std::string& warning : {watched.warning(), masses.warning(), reduced.warning()})
     if (!warning.empty()) result.warnings.push_back(warning);

@@ -8,6 +8,7 @@
 #include "lobe/error.h"
 #include "lobe/fem/refined_body.h"
 #include "lobe/file/atomic_file.h"
+#include "lobe/run/reactions.h"
 #include "lobe/solve/quadratic_solver.h"
 
 namespace lobe {
@@ -60,8 +61,9 @@ RunResult solve_scene(const Scene& scene, const Resolved& resolved, const RunOpt
     throw InputError(options.directory.string(), "cannot be made a directory for the results");
   const Elements elements = elements_of(resolved.setup, options.quadratic);
   write_frame(options.directory / "solution.vtu", elements, solution.u,
-              Mat3X<double>::Zero(3, solution.u.cols()));
+              Mat3X<double>::Zero(3, solution.u.cols()), {}, solution.reactions);
   nlohmann::ordered_json report = report_of(scene, solution, elements, options);
+  if (!options.quadratic) report["reactions"] = reactions_json(resolved.held, elements, solution.reactions);
   report["wall_s"] = seconds;
   report["warnings"] = result.warnings;
   result.report = options.directory / "report.json";

@@ -11,8 +11,17 @@
 
 namespace lobe {
 
+// What an entry of "boundary" holds or moves.
+struct HeldEntry {
+  std::string pointer;          // "/boundary/0"
+  std::vector<Index> vertices;  // ascending
+  std::vector<Axes> axes;       // of each: the components
+  Index mesh_vertices = 0;      // of the whole mesh; copies that cuts make are numbered from here on
+};
+
 struct Resolved {
   Setup setup;
+  std::vector<HeldEntry> held;        // in the order of the entries
   std::vector<Gesture> gestures;      // of automatic regions
   std::optional<Proposal> proposal;   // of automatic regions, where they were chosen
   std::vector<std::string> warnings;  // one line each; the scene can run all the same

@@ -21,6 +21,7 @@ class BoundaryResolver {
       if (is_held(entries[i])) prescribe(entries[i], static_cast<int>(i));
     }
     write_prescribed();
+    write_entries();
     for (std::size_t i = 0; i < entries.size(); ++i) {
       if (entries[i].kind == Boundary::Kind::force) share_force(entries[i], place(i));
       if (entries[i].kind == Boundary::Kind::traction) load_faces(entries[i], place(i));
@@ -78,6 +79,28 @@ class BoundaryResolver {
         return holder;
     }
     return nobody;
+  }
+
+  void write_entries() {
+    const std::vector<Boundary>& entries = resolution_.scene.boundary;
+    std::vector<HeldEntry> held(entries.size());
+    for (Index v = 0; v < setup_.mesh.vertex_count(); ++v)
+      for (int i = 0; i < 3; ++i) {
+        const int holder = holder_[std::size_t(v)][i];
+        if (holder == nobody) continue;
+        HeldEntry& entry = held[std::size_t(holder)];
+        if (entry.vertices.empty() || entry.vertices.back() != v) {
+          entry.vertices.push_back(v);
+          entry.axes.push_back({});
+        }
+        entry.axes.back()[std::size_t(i)] = true;
+      }
+    for (std::size_t i = 0; i < entries.size(); ++i) {
+      if (!is_held(entries[i])) continue;
+      held[i].pointer = place(i);
+      held[i].mesh_vertices = setup_.mesh.vertex_count();
+      resolution_.result.held.push_back(std::move(held[i]));
+    }
   }
 
   void write_prescribed() {

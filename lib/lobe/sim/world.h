@@ -146,7 +146,7 @@ class World {
   void perform(const LetGo& command) { tools_.let_go(command.tool); }
   void perform(const SetForces& command);
   void perform(const SetSprings& command);
-  void perform(const MoveSprings& command) { applied().move(command.points); }
+  void perform(const MoveSprings& command);
   void perform(const Hold& command);
   void perform(const BeginCondensing& command);
   void perform(const EndCondensing&);

@@ -171,6 +171,15 @@ void World<Real>::perform(const SetSprings& command) {
   terms_have_changed(before);
 }
 
+// Without a term there is no spring: an empty one says so before anything changes.
+template <class Real>
+void World<Real>::perform(const MoveSprings& command) {
+  const auto is_applied = [](const auto& term) { return term->name() == AppliedForces<Real>::term_name; };
+  if (std::none_of(body_.terms.begin(), body_.terms.end(), is_applied))
+    AppliedForces<Real>().move(command.points);
+  applied().move(command.points);
+}
+
 // Wakes the vertices that the terms wake now or woke before. The step limit changes with their stiffness.
 template <class Real>
 void World<Real>::terms_have_changed(const std::vector<Index>& woken_before) {

@@ -68,6 +68,18 @@ const std::vector<Feature>& features() {
       {"volume_penalty", "a term per tetrahedron", [](Setup& s) { s.volume_penalty = 1e5; }},
       {"guard", "no tetrahedron near it", [](Setup& s) { s.guard_below = 0.2; }},
       {"nodal_pressure", "averaged around vertices", [](Setup& s) { s.materials[0].nodal_pressure = 1; }},
+      {"edge-smoothed", "strains averaged around edges",
+       [](Setup& s) { s.materials[0].element = ElementType::edge_smoothed; }},
+      {"edge-smoothed, volume_penalty", "with a term per tetrahedron, too",
+       [](Setup& s) {
+         s.materials[0].element = ElementType::edge_smoothed;
+         s.volume_penalty = 1e5;
+       }},
+      {"edge-smoothed, nodal_pressure", "pressure averaged around vertices, the rest around edges",
+       [](Setup& s) {
+         s.materials[0].element = ElementType::edge_smoothed;
+         s.materials[0].nodal_pressure = 1;
+       }},
       {"damping", "", [](Setup& s) { s.damping = 5; }},
       {"gravity", "too weak to move anything far",
        [](Setup& s) {

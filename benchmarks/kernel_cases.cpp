@@ -98,6 +98,24 @@ void add_svk(std::vector<Kernel>& kernels, const SpecimenPointer& specimen, cons
                    block_bytes<Real> + 4 * sizeof(Index), specimen->svk_nodal_pressure);
 }
 
+// Edge-smoothed tetrahedra, alone and with nodal pressure.
+template <class Real>
+void add_smoothed(std::vector<Kernel>& kernels, const SpecimenPointer& specimen,
+                  const std::vector<int>& threads) {
+  Elements elements(specimen->setup);
+  const RegionEdit edit = everything(elements);
+  elements.materials[0].element = ElementType::edge_smoothed;
+  const auto add = [&](const char* name, const Mat3X<double>& expected) {
+    const auto patches = std::make_shared<SmoothedPatches<Real>>();
+    patches->follow(elements, edit.left, edit.entered);
+    add_region<Real>(kernels, name, specimen, threads, patches,
+                     double(patches->bytes()) / elements.topology.tet_count(), expected);
+  };
+  add("svk_smoothed", specimen->svk_smoothed);
+  elements.materials[0].nodal_pressure = 1;
+  add("svk_smoothed_pressure", specimen->svk_smoothed_pressure);
+}
+
 template <class Real>
 void add_other_laws(std::vector<Kernel>& kernels, const SpecimenPointer& specimen,
                     const std::vector<int>& threads) {
@@ -238,10 +256,13 @@ Specimen::Specimen(std::string mesh_name, const Setup& body) : mesh(std::move(me
   for (PrescribedVertex& held : setup.prescribed) held.displacement = u.col(held.vertex);
   setup.ramp = 0;  // held where the displacement has them
   reference = reference_tets(setup);
-  svk = linear = svk_nodal_pressure = neo_hookean = Mat3X<double>::Zero(3, n);
+  svk = linear = svk_nodal_pressure = svk_smoothed = svk_smoothed_pressure = neo_hookean =
+      Mat3X<double>::Zero(3, n);
   add_reference_forces(reference, u, svk);
   add_reference_linear_forces(reference, u, linear);
   add_reference_nodal_pressure_forces(reference, u, svk_nodal_pressure);
+  add_reference_smoothed_forces(reference, u, false, svk_smoothed);
+  add_reference_smoothed_forces(reference, u, true, svk_smoothed_pressure);
   svk_volume = svk;
   add_reference_volume_forces(reference, setup.mesh.points + u, volume_penalty, svk_volume);
   svk_fibre = svk;
@@ -253,6 +274,8 @@ std::vector<Kernel> make_kernels(const SpecimenPointer& specimen, const std::vec
   std::vector<Kernel> kernels{reference_kernel(specimen)};
   add_svk<float>(kernels, specimen, threads);
   add_svk<double>(kernels, specimen, threads);
+  add_smoothed<float>(kernels, specimen, threads);
+  add_smoothed<double>(kernels, specimen, threads);
   add_other_laws<float>(kernels, specimen, threads);
   add_other_laws<double>(kernels, specimen, threads);
   add_tensor_mass<float>(kernels, specimen, threads);

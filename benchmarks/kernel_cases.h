@@ -36,7 +36,8 @@ struct Specimen {
   Mat3X<double> u;  // [m]
   std::vector<ReferenceTet> reference;
   // Forces by the reference kernel [N].
-  Mat3X<double> svk, linear, svk_volume, svk_nodal_pressure, svk_fibre, neo_hookean;
+  Mat3X<double> svk, linear, svk_volume, svk_nodal_pressure, svk_smoothed, svk_smoothed_pressure, svk_fibre,
+      neo_hookean;
 };
 
 // Of svk_fibre: one direction everywhere.

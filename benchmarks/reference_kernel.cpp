@@ -3,6 +3,8 @@
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <cmath>
+#include <map>
+#include <utility>
 
 namespace lobe::bench {
 namespace {
@@ -96,6 +98,45 @@ void add_reference_nodal_pressure_forces(const std::vector<ReferenceTet>& tets, 
     const Mat3<double> S = p * I + tet.mu * (F.transpose() * F - I);
     for (int j = 0; j < 4; ++j) f.col(tet.corners[j]) -= tet.V * (F * S * tet.alpha.col(j));
   }
+}
+
+void add_reference_smoothed_forces(const std::vector<ReferenceTet>& tets, const Mat3X<double>& u,
+                                   bool nodal_pressure, Mat3X<double>& f) {
+  struct Domain {
+    double V = 0;
+    Mat3<double> VF = Mat3<double>::Zero(), E, F;
+  };
+  const Mat3<double> I = Mat3<double>::Identity();
+  std::map<std::pair<Index, Index>, Domain> domains;
+  const auto for_edges = [&](const ReferenceTet& tet, auto&& visit) {
+    for (int i = 0; i < 4; ++i)
+      for (int j = i + 1; j < 4; ++j) {
+        const std::pair<Index, Index> edge = std::minmax(tet.corners[i], tet.corners[j]);
+        visit(edge, domains[edge]);
+      }
+  };
+  for (const ReferenceTet& tet : tets)
+    for_edges(tet, [&](const auto&, Domain& domain) {
+      domain.V += tet.V / 6;
+      domain.VF += tet.V / 6 * deformation(tet, u);
+    });
+  Eigen::VectorXd volume = Eigen::VectorXd::Zero(u.cols()), strain = volume;  // V_n, V_n θ_n
+  for (auto& [edge, domain] : domains) {
+    domain.F = domain.VF / domain.V;
+    domain.E = 0.5 * (domain.F.transpose() * domain.F - I);
+    for (Index n : {edge.first, edge.second}) {
+      volume[n] += domain.V / 2;
+      strain[n] += domain.V / 2 * domain.E.trace();
+    }
+  }
+  for (const ReferenceTet& tet : tets)
+    for_edges(tet, [&](const auto& edge, const Domain& domain) {
+      const double mean =
+          strain[edge.first] / volume[edge.first] / 2 + strain[edge.second] / volume[edge.second] / 2;
+      const double trace = nodal_pressure ? mean : domain.E.trace();
+      const Mat3<double> S = tet.lambda * trace * I + 2 * tet.mu * domain.E;
+      for (int j = 0; j < 4; ++j) f.col(tet.corners[j]) -= tet.V / 6 * (domain.F * S * tet.alpha.col(j));
+    });
 }
 
 void add_reference_fibre_forces(const std::vector<ReferenceTet>& tets, const Mat3X<double>& u,

@@ -45,6 +45,11 @@ void add_reference_volume_forces(const std::vector<ReferenceTet>& tets,
 void add_reference_nodal_pressure_forces(const std::vector<ReferenceTet>& tets, const Mat3X<double>& u,
                                          Mat3X<double>& f);
 
+// SVK of edge-smoothed tetrahedra (lobe/fem/smoothed_edge.h), of bodies of one material; with nodal pressure,
+// the whole pressure is averaged around vertices (lobe/region/edge_pressures.h). Only to check.
+void add_reference_smoothed_forces(const std::vector<ReferenceTet>& tets, const Mat3X<double>& u,
+                                   bool nodal_pressure, Mat3X<double>& f);
+
 // What a fibre adds to SVK, S = ε (I₄ I + tr(E) A) + 2η (A E + E A) + β I₄ A with A = a⊗a, and the forces of
 // a neo-Hookean body, P = μ (F − cof F) + (λ + μ)(det F − 1) cof F. Only to check.
 void add_reference_fibre_forces(const std::vector<ReferenceTet>& tets, const Mat3X<double>& u,

@@ -52,6 +52,12 @@ inline Setup averaged(Setup setup, double share = 1) {
   return setup;
 }
 
+// The same body of edge-smoothed tetrahedra.
+inline Setup smoothed(Setup setup) {
+  for (Elastic& elastic : setup.materials) elastic.element = ElementType::edge_smoothed;
+  return setup;
+}
+
 template <class Real = double>
 Mat3X<Real> random_displacement(Index count, double size, unsigned seed = 7) {
   std::mt19937 random(seed);

@@ -3,12 +3,13 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "lobe/linearity/reduced_watch.h"
 #include "lobe/linearity/watch.h"
-#include "lobe/region/nodal_pressure.h"
+#include "lobe/region/averages.h"
 #include "lobe/sim/world.h"
 
 namespace lobe::view {
@@ -45,9 +46,9 @@ class Gauge {
   std::unique_ptr<ReducedWatch<Real>> reduced_;  // from when it is asked for, while it is measured
   double reduced_error_ = 0, followed_ = -1;     // the latter: the time of the last frame [s]
   double most_moved_ = 0;                        // since there is a watch: the largest displacement [m]
-  PressureNodes nodes_;
-  std::size_t nodes_edits_ = SIZE_MAX;  // of the world's history that they know
-  std::uint64_t nodes_restored_ = 0;
+  std::optional<Averages> averages_;
+  std::size_t averages_edits_ = SIZE_MAX;  // of the world's history that they know
+  std::uint64_t averages_restored_ = 0;
 };
 
 }  // namespace lobe::view

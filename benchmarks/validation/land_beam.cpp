@@ -22,7 +22,8 @@ namespace {
 constexpr double C = 2000, bf = 8, bt = 2, bfs = 4, pressure = 4;  // [Pa], [-], [Pa]
 constexpr double beam_length = 0.01, beam_width = 0.001;           // [m]
 constexpr FibreModuli<double> beam_fibre{0, C / 2 * (bfs - bt), C*(bf - bt - 2 * (bfs - bt))};
-constexpr Elastic beam_material{1e6, C / 2 * bt, 1000, 1, MaterialLaw::svk, beam_fibre};
+constexpr Elastic beam_material{1e6,       C / 2 * bt, 1000, 1, MaterialLaw::svk, ElementType::tetrahedron,
+                                beam_fibre};
 
 struct Bent {
   double deflection = 0;  // of the middle of the upper edge of the end [m]

@@ -20,6 +20,10 @@ const Setup& checked(const Ranks& ranks, const Setup& setup) {
     check_setup(setup, {Option::static_solution});
     if (any_nodal_pressure(setup.materials))
       throw InputError("nodal_pressure", "is not available with --solver petsc; solve with --solver eigen");
+    if (any_smoothed(setup.materials))
+      throw InputError("element",
+                       "\"edge-smoothed\" is not available with --solver petsc; solve with "
+                       "--solver eigen");
   });
   return setup;
 }
@@ -30,7 +34,7 @@ Equations::Equations(const Ranks& ranks, const Part& part, const Setup& setup)
     : ranks_(ranks),
       part_(part),
       elements_(checked(ranks, setup)),
-      nodes_(elements_),
+      averages_(elements_),
       u_(ranks, part),
       sums_(ranks, part),
       is_prescribed_(PrescribedComponents::Zero(3, part.mesh.vertex_count())) {
@@ -67,7 +71,7 @@ Mat3X<double> Equations::local(Vec u) {
 
 State Equations::at(Vec u, double fraction, Vec forces) {
   const Mat3X<double> full = local(u);
-  EnergyAndForces of_part = energy_and_forces(elements_, nodes_, full);
+  EnergyAndForces of_part = energy_and_forces(elements_, averages_, full);
   sums_.sum(of_part.forces);
   Mat3X<double> net = sums_.local().leftCols(part_.owned) + fraction * loads_;
   State state;

@@ -51,7 +51,7 @@ class Equations {
   const Ranks& ranks_;
   const Part& part_;
   Elements elements_;
-  PressureNodes nodes_;  // none
+  Averages averages_;  // none
   Ghosted u_, sums_;
   PrescribedComponents is_prescribed_;
   Mat3X<double> prescribed_, loads_;  // per owned vertex at full load [m], [N]

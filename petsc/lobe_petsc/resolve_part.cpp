@@ -172,6 +172,10 @@ class PartResolver {
       if (scene_.materials[i].nodal_pressure > 0)
         faults.push_back({place + "/nodal_pressure",
                           "is not available with --solver petsc; solve with --solver eigen, or set it to 0"});
+      if (scene_.materials[i].element == ElementType::edge_smoothed)
+        faults.push_back(
+            {place + "/element",
+             "\"edge-smoothed\" is not available with --solver petsc; solve with --solver eigen"});
       if (scene_.materials[i].fibre && std::holds_alternative<FibreHarmonic>(*scene_.materials[i].fibre))
         faults.push_back({place + "/fibre/harmonic",
                           "is computed on one machine; write the directions to the mesh as the cell array "

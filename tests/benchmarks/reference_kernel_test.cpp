@@ -57,6 +57,17 @@ TEST_CASE("the reference's nodal pressure is that of a World") {
   CHECK(relative(f, world_forces(setup, u)) > 0.01);  // the displacement is large enough to tell them apart
 }
 
+TEST_CASE("the reference's smoothed edges are those of a World, alone and with nodal pressure") {
+  const Setup setup = setup_of(irregular_box(4));
+  const Mat3X<double> u = random_displacement(setup.mesh.vertex_count(), 2e-3);
+  for (double share : {0.0, 1.0}) {
+    Mat3X<double> f = Mat3X<double>::Zero(3, u.cols());
+    add_reference_smoothed_forces(reference_tets(setup), u, share > 0, f);
+    CHECK(relative(f, world_forces(smoothed(averaged(setup, share)), u)) < 1e-12);
+    CHECK(relative(f, world_forces(averaged(setup, share), u)) > 0.01);
+  }
+}
+
 TEST_CASE("the reference kernel's masses add up to density times volume") {
   const Setup setup = setup_of(irregular_box());
   double mass = 0;

@@ -112,6 +112,8 @@ TEST_CASE("a cut body equals one built afresh, also after removals and changes o
   check_that_it_equals_one_built_afresh(hybrid_setup(block()));
   check_that_it_equals_one_built_afresh(setup_of(block(), RegionModel::tensor_mass));
   check_that_it_equals_one_built_afresh(averaged(hybrid_setup(block())));
+  check_that_it_equals_one_built_afresh(smoothed(setup_of(block())));
+  check_that_it_equals_one_built_afresh(smoothed(averaged(setup_of(block()))));
   Setup stored = setup_of(block());
   stored.evaluator = Evaluator::stored;
   check_that_it_equals_one_built_afresh(stored);
@@ -346,7 +348,7 @@ TEST_CASE(
 }
 
 TEST_CASE("a blade cuts with every option of a scene") {
-  std::vector<Setup> setups(8, bar_and_blade(0.4));
+  std::vector<Setup> setups(9, bar_and_blade(0.4));
   setups[0].materials[0].nodal_pressure = 1;
   setups[1].selective_mass = 3;
   setups[2].mass_scaling = 0.02;
@@ -357,6 +359,7 @@ TEST_CASE("a blade cuts with every option of a scene") {
   setups[6].integrator = Integrator::generalised_alpha;
   setups[6].implicit_step = 1.0 / 60;
   setups[7].scalpels[0].along_faces = true;
+  setups[8].materials[0].element = ElementType::edge_smoothed;
   for (const Setup& setup : setups) {
     CAPTURE(&setup - setups.data());
     World<double> world(setup);

@@ -23,6 +23,9 @@ void ask_for(Setup& setup, Option option) {
     case Option::precomputed:
       std::fill_n(setup.region_of.begin(), half, RegionModel::precomputed);
       break;
+    case Option::tensor_mass:
+      std::fill_n(setup.region_of.begin(), half, RegionModel::tensor_mass);
+      break;
     case Option::expandable:
       setup.expandable = true;
       break;
@@ -37,6 +40,9 @@ void ask_for(Setup& setup, Option option) {
       break;
     case Option::nodal_pressure:
       setup.materials[0].nodal_pressure = 1;
+      break;
+    case Option::edge_smoothed:
+      setup.materials[0].element = ElementType::edge_smoothed;
       break;
     case Option::neo_hookean:
       setup.materials[0].law = MaterialLaw::neo_hookean;

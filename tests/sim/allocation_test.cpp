@@ -83,6 +83,7 @@ std::vector<std::pair<std::string, Setup>> all_kinds() {
   add("expandable", precomputed, [](Setup& s) { s.expandable = true; });
   add("neo-Hookean", neo_hookean_setup(mesh), [](Setup&) {});
   add("fibres", fibrous_setup(mesh), [](Setup&) {});
+  add("smoothed edges", smoothed(averaged(setup_of(mesh))), [](Setup&) {});
   add("reduced", held, [](Setup& s) {
     s.region_of.assign(s.region_of.size(), RegionModel::reduced);
     s.damping = 20;

@@ -23,9 +23,13 @@ Eigen::MatrixXd dense(const Tangent& tangent, Index unknowns) {
 
 TEST_CASE("the tangent is the derivative of the forces, in every region, stretched and compressed") {
   const TetMesh mesh = irregular_box(2);
-  for (double share : {0.0, 0.7}) {
+  for (const auto& [share, element] : {std::pair{0.0, ElementType::tetrahedron},
+                                       {0.7, ElementType::tetrahedron},
+                                       {0.0, ElementType::edge_smoothed},
+                                       {0.7, ElementType::edge_smoothed}}) {
     Setup setup = hybrid_setup(mesh);
     setup.materials[1].nodal_pressure = share;
+    setup.materials[1].element = element;
     setup.guard_below = 0.5;
     const Elements elements(setup);
     for (double size : {1e-3, 4e-3}) {
@@ -42,8 +46,8 @@ TEST_CASE("the tangent is the derivative of the forces, in every region, stretch
         Mat3X<double> plus = u, minus = u;
         plus(i) += h;
         minus(i) -= h;
-        const Mat3X<double> slope = (energy_and_forces(elements, tangent.nodes(), minus).forces -
-                                     energy_and_forces(elements, tangent.nodes(), plus).forces) /
+        const Mat3X<double> slope = (energy_and_forces(elements, tangent.averages(), minus).forces -
+                                     energy_and_forces(elements, tangent.averages(), plus).forces) /
                                     (2 * h);
         CHECK((K.col(i) - slope.reshaped()).norm() < 1e-6 * K.norm());
       }

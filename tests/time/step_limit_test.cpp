@@ -184,6 +184,28 @@ TEST_CASE("with nodal pressure steps at 0.99 of the limit are stable for long, a
   }
 }
 
+TEST_CASE(
+    "with smoothed edges the limit is within 1 % of that of the forces at rest, and longer than that of "
+    "plain ones") {
+  for (double ratio : ratios)
+    for (double share : {0.0, 1.0}) {
+      const Setup plain = averaged_box(4, ratio, 0), setup = smoothed(averaged_box(4, ratio, share));
+      const double exact = 2 / dense_frequency_of_forces(setup);
+      World<double> world(setup);
+      CHECK(world.time_step_limit() / exact == near(1, 0.01));
+      CHECK(world.step_limit().highest_vertex(world.body()).omega < 2 / exact);
+      CHECK(world.time_step_limit() > 1.05 * World<double>(plain).time_step_limit());
+    }
+}
+
+TEST_CASE("with smoothed edges steps at 0.99 of the limit are stable for long, at 1.02 they are not") {
+  for (double share : {0.0, 1.0}) {
+    const Setup setup = smoothed(averaged_box(3, 4, share));
+    CHECK(keeps_its_energy(setup, 0.99, 100000));
+    CHECK(!keeps_its_energy(setup, 1.02, 20000));
+  }
+}
+
 TEST_CASE("the limit follows the deformation: a stretched body is stiffer") {
   const TetMesh mesh = irregular_box(3);
   World<double> world(setup_of(mesh));

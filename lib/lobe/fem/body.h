@@ -30,14 +30,20 @@ enum class Evaluator : std::uint8_t { direct, stored };  // of the non-linear mo
 
 enum class MaterialLaw : std::uint8_t { svk, neo_hookean };  // of the non-linear model
 
+// Where a tetrahedron of the non-linear model has its strain: alone, or averaged around each of its edges
+// (fem/smoothed_edge.h).
+enum class ElementType : std::uint8_t { tetrahedron, edge_smoothed };
+
 struct Elastic {
   double lambda = 4e4, mu = 1e4;  // [Pa]
   double density = 1000;          // [kg/m³]
   double nodal_pressure = 0;  // χ: share of λ whose pressure is averaged at nodes, 0…1 (nodal_pressure.h)
   MaterialLaw law = MaterialLaw::svk;
+  ElementType element = ElementType::tetrahedron;
   FibreModuli<double> fibre{};  // [Pa], zero: isotropic; λ and μ are then those across the fibre
   double fracture_energy = 0;   // G_c: work of a blade per area that it opens [J/m²]
 
+  bool is_smoothed() const { return element == ElementType::edge_smoothed; }
   double nodal_lambda() const { return nodal_pressure * lambda; }    // χλ [Pa]
   double element_lambda() const { return lambda - nodal_lambda(); }  // (1 − χ)λ [Pa]
   double guard_modulus() const {  // M of fem/guard.h [Pa]: the stiffer one of both directions
@@ -48,12 +54,20 @@ struct Elastic {
 
   static constexpr auto fields =
       std::tuple(&Elastic::lambda, &Elastic::mu, &Elastic::density, &Elastic::nodal_pressure, &Elastic::law,
-                 &Elastic::fibre, &Elastic::fracture_energy);
+                 &Elastic::element, &Elastic::fibre, &Elastic::fracture_energy);
 };
 
 inline bool any_nodal_pressure(const std::vector<Elastic>& materials) {
   return std::any_of(materials.begin(), materials.end(),
                      [](const Elastic& e) { return e.nodal_lambda() > 0; });
+}
+
+inline bool any_smoothed(const std::vector<Elastic>& materials) {
+  return std::any_of(materials.begin(), materials.end(), [](const Elastic& e) { return e.is_smoothed(); });
+}
+// Whether the energy has averages of several tetrahedra.
+inline bool any_averages(const std::vector<Elastic>& materials) {
+  return any_nodal_pressure(materials) || any_smoothed(materials);
 }
 
 inline bool any_fibre(const std::vector<Elastic>& materials) {

@@ -74,6 +74,20 @@ inline Law<double> nonlinear_law(const Elements& elements, Index tet, double pre
   law.direction = elements.fibre_of(tet);
   return law;
 }
+// The part of it that is evaluated at the strain of each tetrahedron: all, or, if the element is smoothed,
+// the volume term and the guard. Moduli of the other terms are 0.
+inline Law<double> unsmoothed_law(const Elastic& elastic, double volume_penalty, double guard_below) {
+  Law<double> law = nonlinear_law(elastic, volume_penalty, guard_below);
+  if (!elastic.is_smoothed()) return law;
+  law.lambda = law.mu = 0;
+  law.fibre = {};
+  law.terms = {.svk = false, .volume = law.terms.volume, .guard = law.terms.guard};
+  return law;
+}
+inline Law<double> unsmoothed_law(const Elements& elements, Index tet, double pressure = 0) {
+  if (!elements.elastic_of(tet).is_smoothed()) return nonlinear_law(elements, tet, pressure);
+  return unsmoothed_law(elements.elastic_of(tet), elements.volume_penalty, elements.guard_below);
+}
 // The law of linear tetrahedra, for linear_stress() and similar functions: with all of λ, and no other term
 // than the fibre's.
 inline Law<double> linear_law(const Elastic& elastic) {

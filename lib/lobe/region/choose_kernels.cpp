@@ -1,8 +1,9 @@
 #include "lobe/numerics/kernel_sets.h"
-#include "lobe/region/wide_kernels.h"
+#include "lobe/region/smoothed_kernels.h"
 
 namespace lobe {
 
 LOBE_CHOOSE_KERNELS(WideKernels, wide_kernels, single_kernels, double_kernels)
+LOBE_CHOOSE_KERNELS(SmoothedKernels, smoothed_kernels, smoothed_single_kernels, smoothed_double_kernels)
 
 }  // namespace lobe

@@ -31,7 +31,8 @@ void PressureNodes::follow(const Elements& elements, const std::vector<Index>& l
   }
   for (Index t : enter) {
     const double lambda = elements.elastic_of(t).nodal_lambda();
-    if (elements.region_of[t] != RegionModel::nonlinear || !(lambda > 0)) continue;
+    const bool is_smoothed = elements.elastic_of(t).is_smoothed();
+    if (elements.region_of[t] != RegionModel::nonlinear || is_smoothed || !(lambda > 0)) continue;
     for (int c = 0; c < 4; ++c) {
       const Index node = node_at(elements.topology.tets()(c, t), elements.material_of[t], lambda);
       tets_of_.append(node, t);

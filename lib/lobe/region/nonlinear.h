@@ -1,8 +1,10 @@
-// The non-linear region: tetrahedra with large displacements, by one of two evaluators that have the same
-// result.
+// The non-linear region: tetrahedra with large displacements. Plain ones have one of two evaluators, which
+// have the same result. Of edge-smoothed ones, the domains have the law, and each tetrahedron has the volume
+// term and the guard.
 #pragma once
 
 #include "lobe/region/patches.h"
+#include "lobe/region/smoothed_patches.h"
 #include "lobe/region/stored_terms.h"
 
 namespace lobe {
@@ -13,11 +15,12 @@ class NonlinearRegion {
   // The stored evaluator computes SVK and fibres; other terms of the law are evaluated directly.
   explicit NonlinearRegion(Evaluator evaluator = Evaluator::direct,
                            InstructionSet set = chosen_instruction_set())
-      : evaluator_(evaluator), elements_(set), terms_(set) {}
+      : evaluator_(evaluator), elements_(set), terms_(set), smoothed_(set) {}
 
   // Takes the tetrahedra of this model.
   void follow(const Elements& elements, const RegionEdit& edit, RegionModel model = RegionModel::nonlinear) {
     elements_.follow(elements, edit.left, edit.entered, model);
+    if (model == RegionModel::nonlinear) smoothed_.follow(elements, edit.left, edit.entered);
     if (evaluator_ == Evaluator::stored) terms_.follow(elements, edit.left, edit.entered, model);
   }
 
@@ -28,18 +31,21 @@ class NonlinearRegion {
     if (evaluator_ == Evaluator::stored) terms_.add_forces(u, f, parallel);
     elements_.add_forces(u, f, evaluator_ == Evaluator::stored ? ElementPart::without_svk : ElementPart::all,
                          parallel);
+    smoothed_.add_forces(u, f, parallel);
   }
 
   template <class Visit>  // visit(layout, sums), of each evaluator
   void visit_patches(Visit&& visit) {
     elements_.visit_patches(visit);
     terms_.visit_patches(visit);
+    smoothed_.visit_patches(visit);
   }
 
-  double energy(const Mat3X<Real>& u) { return elements_.energy(u); }  // [J]
+  double energy(const Mat3X<Real>& u) { return elements_.energy(u) + smoothed_.energy(u); }  // [J]
 
   typename Patches<Real>::Stiffness add_diagonal_stiffness(const Mat3X<Real>& u, DiagonalStiffness& K,
                                                            Parallel& parallel) {
+    smoothed_.add_diagonal_stiffness(u, K, parallel);
     return elements_.add_diagonal_stiffness(u, K, parallel);
   }
 
@@ -47,6 +53,7 @@ class NonlinearRegion {
   Evaluator evaluator_;
   Patches<Real> elements_;
   StoredTerms<Real> terms_;
+  SmoothedPatches<Real> smoothed_;
 };
 
 }  // namespace lobe

@@ -38,6 +38,8 @@ template <class Real>
 void Patches<Real>::add_forces(const Mat3X<Real>& u, Mat3X<Real>& f, ElementPart part, Parallel& parallel) {
   const auto is_svk = [](const Law<double>& law) { return law.terms == Terms{.fibre = law.terms.fibre}; };
   if (part == ElementPart::without_svk && std::all_of(laws_.begin(), laws_.end(), is_svk)) return;
+  const auto is_empty = [](const Law<double>& law) { return law.terms == Terms{.svk = false}; };
+  if (std::all_of(laws_.begin(), laws_.end(), is_empty)) return;
   if (nodal_pressure_) find_pressures(u, parallel);
   // Collapse is rare. So other patches only compute the smallest det F. A patch with an element below the
   // threshold (with a margin for rounding) is evaluated again, with the guard.

@@ -37,8 +37,9 @@ void for_strided(Index begin, Index end, Visit&& visit) {
 
 template <int n>
 typename PatchLayout<n>::LocalCorners PatchLayout<n>::local_corners(Index p, const Corners& corners) const {
-  LocalCorners local;
-  for (int c = 0; c < n; ++c) {
+  LocalCorners local{};
+  if constexpr (n == any_number) local.resize(corners.size());
+  for (std::size_t c = 0; c < corners.size(); ++c) {
     const Index number = local_number(p, corners[c]);
     lobe_assert(number >= 0, "patches: a corner that the item's patch has not");
     local[c] = static_cast<std::uint8_t>(number);
@@ -180,7 +181,8 @@ Index PatchLayout<n>::patch_for(const Item& item) {
     }
   const Near* best = nullptr;
   for (const Near& near : around_)
-    if ((!best || near.vertices > best->vertices) && has_room(near.patch, item.kind, n - near.vertices))
+    if ((!best || near.vertices > best->vertices) &&
+        has_room(near.patch, item.kind, Index(item.corners.size()) - near.vertices))
       best = &near;
   if (best) return best->patch;
   return open_ >= 0 && has_room(open_, item.kind, missing(open_, item.corners)) ? open_
@@ -266,6 +268,7 @@ std::vector<PatchLayout<4>::Item> items_of(RegionModel model, const Elements& el
   return items;
 }
 
+template class PatchLayout<any_number>;
 template class PatchLayout<2>;
 template class PatchLayout<4>;
 

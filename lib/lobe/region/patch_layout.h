@@ -1,13 +1,15 @@
-// Divides items of n vertices each (tetrahedra, edges) into patches, and numbers them and their vertices
-// within a patch. A patch has items of one kind that lie close together: consecutive ones along a Hilbert
-// curve through their barycentres, as many as have room. The last item of a patch takes the place of one that
-// leaves. An item that enters goes to a patch that has its vertices. An item that only gets other corners
-// stays in its patch while that has free vertex numbers. A cut changes the corners of many items at once. If
-// they left, they would fill new patches of their own.
+// Divides items of n vertices each (tetrahedra, edges), or of any number each (the smoothing domains of
+// edges), into patches, and numbers them and their vertices within a patch. A patch has items of one kind
+// that lie close together: consecutive ones along a Hilbert curve through their barycentres, as many as have
+// room. The last item of a patch takes the place of one that leaves. An item that enters goes to a patch
+// that has its vertices. An item that only gets other corners stays in its patch while that has free vertex
+// numbers. A cut changes the corners of many items at once. If they left, they would fill new patches of
+// their own.
 #pragma once
 
 #include <array>
 #include <span>
+#include <type_traits>
 #include <vector>
 
 #include "lobe/fem/elements.h"
@@ -16,6 +18,7 @@
 namespace lobe {
 
 inline constexpr Index patch_vertices = 256;  // the most that share a patch: numbered by one byte
+inline constexpr int any_number = 0;          // of vertices per item
 
 // Reserves room for the patches that cuts add, so that cuts seldom copy the array. The room takes no memory
 // until it is touched.
@@ -29,8 +32,11 @@ template <int n>
 class PatchLayout {
  public:
   static constexpr Index capacity = n == 2 ? 1024 : 512;  // items
-  using Corners = std::array<Index, std::size_t(n)>;
-  using LocalCorners = std::array<std::uint8_t, std::size_t(n)>;
+  template <class Number>
+  using PerCorner =
+      std::conditional_t<n == any_number, std::vector<Number>, std::array<Number, std::size_t(n)>>;
+  using Corners = PerCorner<Index>;
+  using LocalCorners = PerCorner<std::uint8_t>;
 
   struct Item {
     Index id = 0;
@@ -122,6 +128,7 @@ class PatchLayout {
 std::vector<PatchLayout<4>::Item> items_of(RegionModel model, const Elements& elements,
                                            const std::vector<Index>& tets);
 
+extern template class PatchLayout<any_number>;
 extern template class PatchLayout<2>;
 extern template class PatchLayout<4>;
 

@@ -14,8 +14,8 @@ void Patches<Real>::follow(const Elements& elements, const std::vector<Index>& l
   fibres_ = any_fibre(elements.materials);
   laws_.clear();
   for (const Elastic& elastic : elements.materials) {
-    laws_.push_back(nonlinear_law(elastic, elements.volume_penalty, elements.guard_below));
-    laws_.back().terms.pressure = nodal_pressure_;
+    laws_.push_back(unsmoothed_law(elastic, elements.volume_penalty, elements.guard_below));
+    laws_.back().terms.pressure = nodal_pressure_ && !elastic.is_smoothed();
     lobe_assert(is_covered(laws_.back().terms), "no kernel is compiled for the law of a material");
   }
   const std::vector<Layout::Item> items = items_of(model, elements, enter);

@@ -60,6 +60,7 @@ ordered_json summarise_materials(const Scene& scene, const Setup& setup) {
                                        {"expected_sag_m", expected_sag(m, g, box_diagonal(setup.mesh))}});
     if (m.fracture_energy > 0) entry["fracture_energy_J_m2"] = m.fracture_energy;
     if (m.law == MaterialLaw::neo_hookean) entry["law"] = "neo-hookean";
+    if (m.is_smoothed()) entry["element"] = "edge-smoothed";
     if (m.fibre.any()) entry["fibre"] = summarise_fibre(m);
   }
   return list;
@@ -199,6 +200,7 @@ void print_materials(std::ostream& out, const ordered_json& materials) {
     if (m.contains("fracture_energy_J_m2"))
       out << ", " << rounded(m["fracture_energy_J_m2"]) << " J/m² to cut";
     if (m.contains("law")) out << ", neo-Hookean";
+    if (m.contains("element")) out << ", edge-smoothed";
     out << "\n";
     if (m.contains("fibre")) print_fibre(out, m["fibre"]);
   }

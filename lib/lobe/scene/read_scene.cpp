@@ -53,6 +53,7 @@ Material read_material(const json& entry, const std::string& pointer) {
     const json& share = entry["nodal_pressure"];
     material.nodal_pressure = share.is_boolean() ? double(share.get<bool>()) : share.get<double>();
   }
+  if (entry.value("element", "tetrahedron") == "edge-smoothed") material.element = ElementType::edge_smoothed;
   if (entry.value("law", "svk") == "neo-hookean") material.law = MaterialLaw::neo_hookean;
   if (entry.contains("young_modulus_along")) {
     read_transverse(entry, material);

@@ -23,6 +23,9 @@ std::vector<std::string> place_if(bool is_used, const char* place) {
 std::vector<std::string> places_of(const Scene& scene, Option option) {
   const Time& time = scene.time;
   switch (option) {
+    case Option::tensor_mass:
+      return places_in(scene.regions, "/regions", "model",
+                       [](const Region& region) { return region.model == RegionModel::tensor_mass; });
     case Option::precomputed:
       return places_in(scene.regions, "/regions", "model",
                        [](const Region& region) { return region.model == RegionModel::precomputed; });
@@ -38,6 +41,10 @@ std::vector<std::string> places_of(const Scene& scene, Option option) {
     case Option::nodal_pressure:
       return places_in(scene.materials, "/materials", "nodal_pressure",
                        [](const Material& material) { return material.nodal_pressure > 0; });
+    case Option::edge_smoothed:
+      return places_in(scene.materials, "/materials", "element", [](const Material& material) {
+        return material.element == ElementType::edge_smoothed;
+      });
     case Option::neo_hookean:
       return places_in(scene.materials, "/materials", "law",
                        [](const Material& material) { return material.law == MaterialLaw::neo_hookean; });

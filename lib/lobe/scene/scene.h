@@ -89,6 +89,7 @@ struct Material {
   double fracture_energy = 0;     // work of a scalpel per area [J/m²]
   double nodal_pressure = 0;      // share of λ whose pressure is averaged at nodes, 0…1
   MaterialLaw law = MaterialLaw::svk;
+  ElementType element = ElementType::tetrahedron;
   std::optional<TransverseConstants> transverse;  // with fibres, in place of both Lamé coefficients
   std::optional<FibreField> fibre;                // together with them
   std::string pointer;
@@ -97,6 +98,7 @@ struct Material {
 inline Elastic elastic_of(const Material& m) {
   Elastic elastic{m.lame_lambda, m.lame_mu, m.density, m.nodal_pressure, m.law};
   elastic.fracture_energy = m.fracture_energy;
+  elastic.element = m.element;
   if (m.transverse) set_transverse(*m.transverse, elastic);
   return elastic;
 }

@@ -92,6 +92,7 @@ ordered_json write(const Material& material) {
   entry["fracture_energy"] = material.fracture_energy;
   entry["nodal_pressure"] = material.nodal_pressure;
   entry["law"] = material.law == MaterialLaw::neo_hookean ? "neo-hookean" : "svk";
+  entry["element"] = material.element == ElementType::edge_smoothed ? "edge-smoothed" : "tetrahedron";
   if (material.fibre) entry["fibre"] = std::visit(FibreWriter{}, *material.fibre);
   add_where(entry, material.where);
   return entry;

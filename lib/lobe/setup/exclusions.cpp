@@ -22,6 +22,16 @@ constexpr Exclusion table[] = {
      "use \"tensor-mass\", or \"selective_mass\""},
     {Option::nodal_pressure, Option::stored, "the stored polynomial has no averages of several tetrahedra",
      "use \"direct\""},
+    {Option::edge_smoothed, Option::stored, "the stored polynomial is of each tetrahedron alone",
+     "use \"direct\""},
+    {Option::edge_smoothed, Option::tensor_mass, "a tensor-mass region is of plain tetrahedra",
+     "use \"nonlinear\""},
+    {Option::edge_smoothed, Option::precomputed, "a precomputed region is of plain tetrahedra",
+     "use \"nonlinear\""},
+    {Option::edge_smoothed, Option::reduced, "a cell of the lattice has the energy of plain tetrahedra",
+     "use \"nonlinear\""},
+    {Option::edge_smoothed, Option::automatic, "linear regions are of plain tetrahedra",
+     "leave one of them out"},
     {Option::neo_hookean, Option::stored, "its energy is no polynomial of degree 4 in displacements",
      "use \"direct\""},
     {Option::nodal_pressure, Option::neo_hookean, "it averages the pressure of St Venant-Kirchhoff",
@@ -58,6 +68,8 @@ Fault fault_of(const Exclusion& exclusion, const std::string& place) {
 
 const char* name(Option option) {
   switch (option) {
+    case Option::tensor_mass:
+      return "\"model\": \"tensor-mass\"";
     case Option::precomputed:
       return "\"model\": \"precomputed\"";
     case Option::corotated:
@@ -70,6 +82,8 @@ const char* name(Option option) {
       return "\"regions\": {\"auto\": …}";
     case Option::nodal_pressure:
       return "\"nodal_pressure\"";
+    case Option::edge_smoothed:
+      return "\"element\": \"edge-smoothed\"";
     case Option::neo_hookean:
       return "\"law\": \"neo-hookean\"";
     case Option::fibres:
@@ -98,6 +112,7 @@ std::span<const Exclusion> exclusions() { return table; }
 std::span<const Exclusion> material_exclusions() { return table_of_material; }
 
 std::optional<Option> option_of(RegionModel model) {
+  if (model == RegionModel::tensor_mass) return Option::tensor_mass;
   if (model == RegionModel::precomputed) return Option::precomputed;
   if (model == RegionModel::reduced) return Option::reduced;
   return std::nullopt;
@@ -111,6 +126,7 @@ Options options_of(const Setup& setup) {
            used.has(Option::precomputed) && setup.precomputed_frame == RegionFrame::corotated);
   used.add(Option::expandable, setup.expandable);
   used.add(Option::nodal_pressure, any_nodal_pressure(setup.materials));
+  used.add(Option::edge_smoothed, any_smoothed(setup.materials));
   used.add(Option::fibres, any_fibre(setup.materials));
   used.add(Option::neo_hookean, any_neo_hookean(setup.materials));
   used.add(Option::stored, setup.evaluator == Evaluator::stored);

@@ -33,9 +33,11 @@ enum class Option : std::uint8_t {
   force_terms,  // World::add(), springs
   implicit,
   single_precision,
-  static_solution
+  static_solution,
+  tensor_mass,
+  edge_smoothed
 };
-inline constexpr std::size_t option_count = std::size_t(Option::static_solution) + 1;
+inline constexpr std::size_t option_count = std::size_t(Option::edge_smoothed) + 1;
 const char* name(Option option);  // as a scene says it: "model": "precomputed"
 
 class Options {  // a set of them

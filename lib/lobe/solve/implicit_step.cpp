@@ -48,7 +48,7 @@ Mat3X<double> ImplicitStep::Problem::inertia(const DynamicState& end) const {
 
 NewtonPoint ImplicitStep::Problem::at(const Mat3X<double>& u) const {
   const Mat3X<double> inertial = inertia(end(u)), moved = u - from_.u;
-  const EnergyAndForces e = energy_and_forces(*o_.elements_, o_.tangent_->nodes(), alpha(u));
+  const EnergyAndForces e = energy_and_forces(*o_.elements_, o_.tangent_->averages(), alpha(u));
   NewtonPoint point;
   point.u = u;
   point.potential = e.energy / (1 - o_.alpha_f_) - loads_.external.cwiseProduct(moved).sum() +

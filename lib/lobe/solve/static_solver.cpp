@@ -33,7 +33,7 @@ class LinearTets : public Discretisation {
       : elements_(elements), tangent_(elements, unknowns) {}
 
   EnergyAndForces energy_and_forces(const Mat3X<double>& u) const override {
-    return lobe::energy_and_forces(elements_, tangent_.nodes(), u);
+    return lobe::energy_and_forces(elements_, tangent_.averages(), u);
   }
   void update(const Mat3X<double>& u) override { tangent_.update(u); }
   void add_diagonal(const Mat3X<double>& k) override { tangent_.add_diagonal(k); }

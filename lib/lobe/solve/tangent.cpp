@@ -5,6 +5,7 @@
 
 #include "lobe/region/energy_density.h"
 #include "lobe/solve/tangent_factor.h"
+#include "lobe/sort_unique.h"
 
 namespace lobe {
 namespace {
@@ -21,13 +22,29 @@ void for_alive(const Elements& elements, Visit&& visit) {
     if (elements.topology.alive(t)) visit(t);
 }
 
+void add_domains(const Elements& elements, const Averages& averages, const Mat3X<double>& u,
+                 EnergyAndForces& sums) {
+  const SmoothedEdges& edges = averages.edges;
+  const std::vector<Mat3<double>> gradients = domain_gradients(edges, u);
+  const std::vector<double> pressures = domain_pressures(edges, averages.edge_pressures, gradients);
+  for (Index e = 0; e < edges.count(); ++e) {
+    const SmoothedEdge& edge = edges[e];
+    if (!(edge.volume > 0)) continue;
+    const Law<double> law = smoothed_law(elements, edge, pressures[e]);
+    sums.energy += edge.volume * law_energy_density(law, gradients[e]);
+    const Mat3<double> VP = edge.volume * law_stress(law, gradients[e]);
+    for (std::size_t j = 0; j < edge.vertices.size(); ++j)
+      sums.forces.col(edge.vertices[j]) -= VP * edge.gradients[j];
+  }
+}
+
 }  // namespace
 
-EnergyAndForces energy_and_forces(const Elements& elements, const PressureNodes& nodes,
+EnergyAndForces energy_and_forces(const Elements& elements, const Averages& averages,
                                   const Mat3X<double>& u) {
   EnergyAndForces result;
   result.forces.setZero(3, u.cols());
-  const std::vector<double> pressures = tet_pressures(elements, nodes, u);
+  const std::vector<double> pressures = tet_pressures(elements, averages.nodes, u);
   for_alive(elements, [&](Index t) {
     const Shape s = elements.shape_of(t);
     const Mat3<double> alpha = s.gradients.rightCols<3>();
@@ -39,12 +56,29 @@ EnergyAndForces energy_and_forces(const Elements& elements, const PressureNodes&
         result.smallest_tet = t;
       }
     }
-    result.energy += s.volume * energy_density(elements, t, H, elements.region_of[t], pressures[t]);
-    const Mat3<double> P = stress(elements, t, H, elements.region_of[t], pressures[t]);
+    const bool is_linear_tet = is_linear(elements.region_of[t]);
+    const Law<double> law =
+        is_linear_tet ? linear_law(elements, t) : unsmoothed_law(elements, t, pressures[t]);
+    result.energy += s.volume * (is_linear_tet ? linear_energy_density(law, H) : law_energy_density(law, H));
+    const Mat3<double> P = is_linear_tet ? linear_stress(law, H) : law_stress(law, H);
     const Mat34<double> f = corner_forces<double>(s.volume * P, alpha);
     for (int c = 0; c < 4; ++c) result.forces.col(elements.topology.tets()(c, t)) += f.col(c);
   });
+  add_domains(elements, averages, u, result);
   return result;
+}
+
+Eigen::MatrixXd domain_stiffness(const Elements& elements, const SmoothedEdge& edge, const Mat3<double>& H,
+                                 double pressure) {
+  Mat34<double> units = Mat34<double>::Zero();
+  units.leftCols<3>().setIdentity();
+  const Eigen::Matrix<double, 9, 9> C =
+      law_stiffness(smoothed_law(elements, edge, pressure), H, units).topLeftCorner<9, 9>();
+  Eigen::MatrixXd G = Eigen::MatrixXd::Zero(9, 3 * Eigen::Index(edge.vertices.size()));  // ∂F/∂u
+  for (std::size_t j = 0; j < edge.vertices.size(); ++j)
+    for (int d = 0; d < 3; ++d)
+      G.block<3, 3>(3 * d, 3 * Eigen::Index(j)).diagonal().setConstant(edge.gradients[j][d]);
+  return edge.volume * G.transpose() * (C * G);
 }
 
 TetStiffness tet_stiffness(const Elements& elements, Index tet, const Mat34<double>& u, RegionModel model,
@@ -63,54 +97,124 @@ TetStiffness tet_stiffness(const Elements& elements, Index tet, const Mat34<doub
   return K;
 }
 
+namespace {
+
+// Of what the tetrahedron has by itself, beside its domains.
+TetStiffness unsmoothed_stiffness(const Elements& elements, Index tet, const Mat34<double>& u,
+                                  double pressure) {
+  const RegionModel model = elements.region_of[tet];
+  if (is_linear(model) || !elements.elastic_of(tet).is_smoothed())
+    return tet_stiffness(elements, tet, u, model, pressure);
+  const Shape s = elements.shape_of(tet);
+  const Mat3<double> H = displacement_gradient<double>(u, s.gradients.rightCols<3>());
+  return s.volume * law_stiffness(unsmoothed_law(elements, tet), H, s.gradients);
+}
+
+// Vertices that share a domain and, perhaps, no tetrahedron, each pair once.
+std::vector<std::pair<Index, Index>> opposite_pairs(const SmoothedEdges& edges) {
+  std::vector<std::pair<Index, Index>> pairs;
+  for (Index e = 0; e < edges.count(); ++e) {
+    const std::vector<Index>& vertices = edges[e].vertices;
+    for (std::size_t i = 2; i < vertices.size() && edges[e].volume > 0; ++i)
+      for (std::size_t j = i + 1; j < vertices.size(); ++j)
+        pairs.push_back(std::minmax({vertices[i], vertices[j]}));
+  }
+  sort_unique(pairs);
+  return pairs;
+}
+
+}  // namespace
+
 Tangent::Tangent(const Elements& elements, const Unknowns& unknowns)
-    : elements_(elements), unknowns_(unknowns), nodes_(elements) {
-  row_of_node_.assign(std::size_t(nodes_.count()), -1);
-  for (Index n = 0; n < nodes_.count(); ++n)
-    if (nodes_.volume(n) > 0) row_of_node_[n] = unknowns.count + pressures_++;
+    : elements_(elements), unknowns_(unknowns), averages_(elements) {
+  const PressureNodes& nodes = averages_.nodes;
+  row_of_node_.assign(std::size_t(nodes.count()), -1);
+  for (Index n = 0; n < nodes.count(); ++n)
+    if (nodes.volume(n) > 0) row_of_node_[n] = unknowns.count + pressures_++;
+  row_of_edge_node_.assign(std::size_t(averages_.edge_pressures.count()), -1);
+  for (Index n = 0; n < averages_.edge_pressures.count(); ++n)
+    if (averages_.edge_pressures.volume(n) > 0) row_of_edge_node_[n] = unknowns.count + pressures_++;
   const Index size = unknowns.count + pressures_;
   std::vector<Eigen::Triplet<double>> entries;
   entries.reserve(std::size_t(elements.topology.alive_count()) * entry_count() + size);
-  for_alive(elements, [&](Index t) {
-    for_places(t, [&](Index row, Index column) {
-      if (row >= 0) entries.emplace_back(row, column, 0.0);
-    });
-  });
+  const auto add = [&](Index row, Index column) {
+    if (row >= 0) entries.emplace_back(row, column, 0.0);
+  };
+  for_alive(elements, [&](Index t) { for_places(t, add); });
+  for (const auto& [a, b] : opposite_pairs(averages_.edges)) for_places(std::array{a, b}, add);
+  if (averages_.edge_pressures.any()) for_domains([&](Index e) { for_domain_places(e, add); });
   for (Index i = 0; i < size; ++i) entries.emplace_back(i, i, 0.0);
   matrix_.resize(size, size);
   matrix_.setFromTriplets(entries.begin(), entries.end());
-  place_.reserve(std::size_t(elements.topology.alive_count()) * entry_count());
+  find_places();
+}
+
+void Tangent::find_places() {
+  place_.reserve(std::size_t(elements_.topology.alive_count()) * entry_count());
   const int* rows = matrix_.innerIndexPtr();
-  for_alive(elements, [&](Index t) {
-    for_places(t, [&](Index row, Index column) {
-      if (row < 0) return place_.push_back(-1);
-      const int *begin = rows + matrix_.outerIndexPtr()[column],
-                *end = rows + matrix_.outerIndexPtr()[column + 1];
-      place_.push_back(static_cast<Index>(std::lower_bound(begin, end, row) - rows));
-    });
-  });
+  const auto add = [&](Index row, Index column) {
+    if (row < 0) return place_.push_back(-1);
+    const int *begin = rows + matrix_.outerIndexPtr()[column],
+              *end = rows + matrix_.outerIndexPtr()[column + 1];
+    place_.push_back(static_cast<Index>(std::lower_bound(begin, end, row) - rows));
+  };
+  for_alive(elements_, [&](Index t) { for_places(t, add); });
+  for_domains([&](Index e) { for_domain_places(e, add); });
+}
+
+template <class Visit>
+void Tangent::for_domains(Visit&& visit) const {
+  for (Index e = 0; e < averages_.edges.count(); ++e)
+    if (averages_.edges[e].volume > 0) visit(e);
+}
+
+template <class Visit>
+void Tangent::for_domain_places(Index edge, Visit&& visit) const {
+  const std::vector<Index>& vertices = averages_.edges[edge].vertices;
+  for_places(vertices, visit);
+  if (!averages_.edge_pressures.any()) return;
+  for (Index node : averages_.edge_pressures.of(edge))
+    for (std::size_t i = 0; i < 3 * vertices.size(); ++i) {
+      const Index column = unknowns_.number(i % 3, vertices[i / 3]);
+      visit(column < 0 ? -1 : row_of_edge_node_[node], column);
+    }
+}
+
+Eigen::VectorXd Tangent::slope_of(Index edge, const Mat3<double>& H) const {
+  const SmoothedEdge& domain = averages_.edges[edge];
+  Eigen::VectorXd slope(3 * Eigen::Index(domain.vertices.size()));
+  for (std::size_t j = 0; j < domain.vertices.size(); ++j)
+    slope.segment<3>(3 * Eigen::Index(j)) =
+        domain.volume / 2 * (domain.gradients[j] + H * domain.gradients[j]);
+  return slope;
 }
 
 template <class Visit>
 void Tangent::for_places(Index tet, Visit&& visit) const {
-  const Eigen::Vector4i corners = elements_.topology.corners(tet), nodes = nodes_.of(tet);
+  const Eigen::Vector4i corners = elements_.topology.corners(tet), nodes = averages_.nodes.of(tet);
+  for_places(std::span<const Index>(corners.data(), 4), visit);
   const auto number = [&](int i) { return unknowns_.number(i % 3, corners[i / 3]); };
-  for (int j = 0; j < 12; ++j)
-    for (int i = j; i < 12; ++i) {
+  for (int n = 0; n < 4 && averages_.nodes.any(); ++n)
+    for (int i = 0; i < 12; ++i) visit(number(i) < 0 ? -1 : row_of_node_[nodes[n]], number(i));
+}
+
+template <class Visit>
+void Tangent::for_places(std::span<const Index> vertices, Visit&& visit) const {
+  const auto number = [&](std::size_t i) { return unknowns_.number(i % 3, vertices[i / 3]); };
+  for (std::size_t j = 0; j < 3 * vertices.size(); ++j)
+    for (std::size_t i = j; i < 3 * vertices.size(); ++i) {
       const Index a = number(i), b = number(j);
       visit(a < 0 || b < 0 ? -1 : std::max(a, b), std::min(a, b));
     }
-  for (int n = 0; n < 4 && nodes_.any(); ++n)
-    for (int i = 0; i < 12; ++i) visit(number(i) < 0 ? -1 : row_of_node_[nodes[n]], number(i));
 }
 
 Tangent::TetEntries Tangent::entries_of(Index tet, const Mat34<double>& u, double pressure) const {
   TetEntries entries{};
-  const TetStiffness K = tet_stiffness(elements_, tet, u, elements_.region_of[tet], pressure);
+  const TetStiffness K = unsmoothed_stiffness(elements_, tet, u, pressure);
   auto entry = entries.begin();
   for (int j = 0; j < 12; ++j)
     for (int i = j; i < 12; ++i) *entry++ = K(i, j);
-  if (nodes_.of(tet)[0] == PressureNodes::none) return entries;
+  if (averages_.nodes.of(tet)[0] == PressureNodes::none) return entries;
   const Shape s = elements_.shape_of(tet);
   const Mat3<double> H = displacement_gradient<double>(u, s.gradients.rightCols<3>());
   const Mat34<double> g = s.volume / 4 * (s.gradients + H * s.gradients);
@@ -121,16 +225,37 @@ Tangent::TetEntries Tangent::entries_of(Index tet, const Mat34<double>& u, doubl
 void Tangent::update(const Mat3X<double>& u) {
   matrix_.coeffs().setZero();
   double* values = matrix_.valuePtr();
-  const std::vector<double> pressures = tet_pressures(elements_, nodes_, u);
+  const PressureNodes& nodes = averages_.nodes;
+  const std::vector<double> pressures = tet_pressures(elements_, nodes, u);
   auto place = place_.begin();
   for_alive(elements_, [&](Index t) {
     const TetEntries entries = entries_of(t, corners_of(elements_, t, u), pressures[t]);
     for (int i = 0; i < entry_count(); ++i, ++place)
       if (*place >= 0) values[*place] += entries[i];
   });
-  for (Index n = 0; n < nodes_.count(); ++n)
+  const std::vector<Mat3<double>> gradients = domain_gradients(averages_.edges, u);
+  const EdgePressures& edge_nodes = averages_.edge_pressures;
+  const std::vector<double> edge_pressures = domain_pressures(averages_.edges, edge_nodes, gradients);
+  const auto add = [&](double value) {
+    if (*place >= 0) values[*place] += value;
+    ++place;
+  };
+  for_domains([&](Index e) {
+    const Eigen::MatrixXd K =
+        domain_stiffness(elements_, averages_.edges[e], gradients[e], edge_pressures[e]);
+    for (Eigen::Index j = 0; j < K.cols(); ++j)
+      for (Eigen::Index i = j; i < K.rows(); ++i) add(K(i, j));
+    if (!edge_nodes.any()) return;
+    const Eigen::VectorXd slope = slope_of(e, gradients[e]);
+    for (int end = 0; end < 2; ++end)
+      for (double g : slope) add(g);
+  });
+  for (Index n = 0; n < edge_nodes.count(); ++n)
+    if (const Index row = row_of_edge_node_[n]; row >= 0)
+      values[matrix_.outerIndexPtr()[row]] = -edge_nodes.volume(n) / edge_nodes.lambda(n);
+  for (Index n = 0; n < nodes.count(); ++n)
     if (const Index row = row_of_node_[n]; row >= 0)
-      values[matrix_.outerIndexPtr()[row]] = -nodes_.volume(n) / nodes_.lambda(n);
+      values[matrix_.outerIndexPtr()[row]] = -nodes.volume(n) / nodes.lambda(n);
 }
 
 void Tangent::add_diagonal(const Mat3X<double>& k) {
@@ -164,7 +289,7 @@ Eigen::VectorXd Tangent::solve(const SparseFactor& factor, const Eigen::VectorXd
                                const Mat3X<double>& u, const Mat3X<double>& w) const {
   Mat3X<double> f = Mat3X<double>::Zero(3, u.cols());
   Eigen::VectorXd right = Eigen::VectorXd::Zero(matrix_.rows());
-  const std::vector<double> pressures = tet_pressures(elements_, nodes_, u);
+  const std::vector<double> pressures = tet_pressures(elements_, averages_.nodes, u);
   for_alive(elements_, [&](Index t) {
     const Mat34<double> by = corners_of(elements_, t, w);
     if (by.isZero(0)) return;
@@ -176,8 +301,22 @@ Eigen::VectorXd Tangent::solve(const SparseFactor& factor, const Eigen::VectorXd
     const Eigen::Matrix<double, 12, 1> force = K * by.reshaped();
     for (int c = 0; c < 4; ++c) f.col(elements_.topology.tets()(c, t)) += force.segment<3>(3 * c);
     const double strain = Eigen::Map<const Eigen::Matrix<double, 12, 1>>(&*entry).dot(by.reshaped());
-    for (Index n : nodes_.of(t))
+    for (Index n : averages_.nodes.of(t))
       if (row_of_node_[n] >= 0) right[row_of_node_[n]] -= strain;
+  });
+  const std::vector<Mat3<double>> gradients = domain_gradients(averages_.edges, u);
+  const std::vector<double> edge_pressures =
+      domain_pressures(averages_.edges, averages_.edge_pressures, gradients);
+  for_domains([&](Index e) {
+    const SmoothedEdge& edge = averages_.edges[e];
+    const Mat3X<double> by = w(Eigen::all, edge.vertices);
+    if (by.isZero(0)) return;
+    const Eigen::VectorXd force =
+        domain_stiffness(elements_, edge, gradients[e], edge_pressures[e]) * by.reshaped();
+    f(Eigen::all, edge.vertices) += force.reshaped(3, by.cols());
+    const double strain = slope_of(e, gradients[e]).dot(by.reshaped());
+    for (Index n : averages_.edge_pressures.of(e))
+      if (row_of_edge_node_[n] >= 0) right[row_of_edge_node_[n]] -= strain;
   });
   right.head(unknowns_.count) = forces - unknowns_.gather(f);
   return factor.solve(right).head(unknowns_.count);

@@ -2,9 +2,10 @@
 #pragma once
 
 #include <array>
+#include <span>
 
 #include "lobe/numerics/sparse_factor.h"
-#include "lobe/region/nodal_pressure.h"
+#include "lobe/region/averages.h"
 #include "lobe/solve/unknowns.h"
 
 namespace lobe {
@@ -17,13 +18,13 @@ struct EnergyAndForces {
   double smallest_volume_ratio = 1;  // of det F over the non-linear tetrahedra
   Index smallest_tet = -1;
 };
-EnergyAndForces energy_and_forces(const Elements& elements, const PressureNodes& nodes,
+EnergyAndForces energy_and_forces(const Elements& elements, const Averages& averages,
                                   const Mat3X<double>& u);  // 3 × #vertices [m]
 inline EnergyAndForces energy_and_forces(const Elements& elements, const Mat3X<double>& u) {
-  return energy_and_forces(elements, PressureNodes(elements), u);
+  return energy_and_forces(elements, Averages(elements), u);
 }
 
-// ∂²W/∂u_j∂u_k of one tetrahedron at given nodal pressures, a 12 × 12 matrix of 3 × 3 blocks [N/m]:
+// ∂²W/∂u_j∂u_k of one plain tetrahedron at given nodal pressures, a 12 × 12 matrix of 3 × 3 blocks [N/m]:
 // V linear_block() of a linear one, else V times law_stiffness() (fem/law.h).
 using TetStiffness = Eigen::Matrix<double, 12, 12>;
 TetStiffness tet_stiffness(const Elements& elements, Index tet, const Mat34<double>& u, RegionModel model,
@@ -31,6 +32,11 @@ TetStiffness tet_stiffness(const Elements& elements, Index tet, const Mat34<doub
 inline TetStiffness tet_stiffness(const Elements& elements, Index tet, const Mat34<double>& u) {
   return tet_stiffness(elements, tet, u, elements.region_of[tet]);
 }
+
+// The same of the vertices of a smoothing domain: V_e b_j·C b_k with C = ∂P/∂F.
+Eigen::MatrixXd domain_stiffness(const Elements& elements, const SmoothedEdge& edge,
+                                 const Mat3<double>& H,  // its ∇u
+                                 double pressure = 0);   // mean of both ends [Pa]
 
 // The tangent assembled on the unknowns. The pattern is found once, the values at every state. Nodal
 // pressures (PressureNodes) couple all tetrahedra around a vertex. They are unknowns, too, so that the matrix
@@ -43,7 +49,7 @@ class Tangent {
  public:
   Tangent(const Elements& elements, const Unknowns& unknowns);
 
-  const PressureNodes& nodes() const { return nodes_; }
+  const Averages& averages() const { return averages_; }
   const SparseFactor::Matrix& matrix() const { return matrix_; }  // lower triangle
 
   void update(const Mat3X<double>& u);        // 3 × #vertices [m]
@@ -64,18 +70,28 @@ class Tangent {
 
  private:
   using TetEntries = std::array<double, 78 + 48>;  // lower triangle, then G of its four nodes
-  int entry_count() const { return nodes_.any() ? 78 + 48 : 78; }
+  int entry_count() const { return averages_.nodes.any() ? 78 + 48 : 78; }
   TetEntries entries_of(Index tet, const Mat34<double>& u, double pressure) const;
   template <class Visit>  // visit(row, column) of each entry; row −1 where it is not there
   void for_places(Index tet, Visit&& visit) const;
+  template <class Visit>  // of the lower triangle of these vertices' stiffness, column by column
+  void for_places(std::span<const Index> vertices, Visit&& visit) const;
+  template <class Visit>  // visit(number of a domain)
+  void for_domains(Visit&& visit) const;
+  template <class Visit>
+  void for_domain_places(Index edge, Visit&& visit) const;
+  // V_e/2 F_e b_j of a domain's vertices, one after the other: what it adds to G of both ends [m²].
+  Eigen::VectorXd slope_of(Index edge, const Mat3<double>& H) const;
+  void find_places();
 
   const Elements& elements_;
   const Unknowns& unknowns_;
-  PressureNodes nodes_;
-  std::vector<Index> row_of_node_;  // −1 where the node is not in use
+  Averages averages_;
+  std::vector<Index> row_of_node_, row_of_edge_node_;  // −1 where the node is not in use
   Index pressures_ = 0;
   SparseFactor::Matrix matrix_;
-  std::vector<Index> place_;  // per alive tetrahedron and entry: where in the values, or −1
+  // Per alive tetrahedron, then per domain, and entry: where in the values, or −1.
+  std::vector<Index> place_;
 };
 
 }  // namespace lobe

@@ -26,7 +26,7 @@ class StepLimit {
   //   ω_max² Δt² + 2 c Δt = 4,
   // with c the highest damping rate of force terms [1/s]. Without damping that is 2/ω_max. ω_max counts as
   // at least a quarter of that at rest. Infinite if nothing is free. Costs O(#tetrahedra) if the state has
-  // changed since the last call. Cuts are followed locally, except with nodal pressure.
+  // changed since the last call. Cuts are followed locally, except with averages of several tetrahedra.
   double find(Body& body);
   // The same from scratch, as a restored world computes it, so that both get the same bits.
   void find_anew(Body& body);
@@ -64,8 +64,8 @@ class StepLimit {
   void restart_for_degree(Body& body);
 
   // Follows an edit; call it before the elements do. What a tetrahedron adds to the stiffness at its corners
-  // is removed with it, or moves to the copy of a vertex. A pass over everything is needed with
-  // nodal pressure, a pre-computed or reduced region or a force term, and where the tetrahedron of the
+  // is removed with it, or moves to the copy of a vertex. A pass over everything is needed with averages of
+  // several tetrahedra, a pre-computed or reduced region or a force term, and where the tetrahedron of the
   // smallest volume ratio is removed.
   // `shares_before`: one for each of edit.shares, 0 of a new copy.
   void follow(const Body& body, const MeshEdit& edit, const std::vector<double>& shares_before);
@@ -180,7 +180,7 @@ class StepLimit {
 template <class Real>
 template <class Change>
 void StepLimit<Real>::follow_region(const Body& body, Index tet, Change&& change) {
-  if (!body.regions.are_all_of_tets() || any_nodal_pressure(body.model.elements.materials)) forget();
+  if (!body.regions.are_all_of_tets() || any_averages(body.model.elements.materials)) forget();
   if (!is_known(body)) {
     forget();
     return change();

@@ -1,0 +1,45 @@
+// The smoothing domains (fem/smoothed_edge.h) of a body whose mesh is being cut: one for each edge and
+// material of the tetrahedra of one model whose element is edge-smoothed. Averages cross neither materials
+// nor models. Domains come and go with their tetrahedra; the numbers of those that have gone are used again.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "lobe/fem/smoothed_edge.h"
+#include "lobe/mesh/vertex_lists.h"
+
+namespace lobe {
+
+class SmoothedEdges {
+ public:
+  explicit SmoothedEdges(RegionModel model = RegionModel::nonlinear) : model_(model) {}
+  explicit SmoothedEdges(const Elements& elements);  // of all non-linear tetrahedra that are alive
+
+  // Tetrahedra that left, then those that entered, as in RegionEdit. Returns the domains that are new, have
+  // changed or are gone. O(tetrahedra around them).
+  std::vector<Index> follow(const Elements& elements, const std::vector<Index>& leave,
+                            const std::vector<Index>& enter);
+
+  // Numbers not in use included: their domains have no volume.
+  Index count() const { return static_cast<Index>(edges_.size()); }
+  bool any() const { return edges_.size() > unused_.size(); }
+  Eigen::Matrix<Index, 6, 1> of(Index tet) const {  // its domains; −1 if it takes no part
+    if (tet >= of_.cols()) return Eigen::Matrix<Index, 6, 1>::Constant(-1);
+    return of_.col(tet);
+  }
+  const SmoothedEdge& operator[](Index edge) const { return edges_[std::size_t(edge)]; }
+
+ private:
+  Index edge_at(Index a, Index b, std::uint16_t material);
+  void drop(Index edge);
+
+  RegionModel model_;
+  std::vector<SmoothedEdge> edges_;
+  VertexLists<Index> tets_of_;                  // per domain
+  VertexLists<Index> edges_at_;                 // per vertex: those of which it is the lower end
+  Eigen::Matrix<Index, 6, Eigen::Dynamic> of_;  // per tetrahedron; −1 if it takes no part
+  std::vector<Index> unused_;
+};
+
+}  // namespace lobe

@@ -1,0 +1,67 @@
+// The wide kernels of edge-smoothed tetrahedra (fem/smoothed_edge.h), and the blocks that they read. Like
+// those of wide_kernels.h they are compiled once per instruction set and take plain arrays.
+#pragma once
+
+#include "lobe/region/wide_kernels.h"
+
+namespace lobe {
+
+// As many domains as a row has numbers. Domains of one block have about as many vertices each. Their rows lie
+// one after the other in the arrays below.
+template <class Real>
+struct alignas(64) SmoothedBlock {
+  static constexpr int width = ElementBlock<Real>::width;
+  using Row = typename ElementBlock<Real>::Row;
+
+  Row V{};             // [m³], zero in empty lanes
+  Index vertices = 1;  // the most of a domain
+  Index first = 0;     // row of gradients of the second vertex
+};
+
+// Of one vertex of each domain of a block. A domain with fewer vertices repeats its first, with gradient 0.
+template <class Real>
+struct alignas(64) GradientRow {
+  std::array<typename ElementBlock<Real>::Row, 3> b{};  // [1/m]
+};
+template <class Real>
+using NumberRow = std::array<std::uint8_t, std::size_t(ElementBlock<Real>::width)>;
+
+// One for each SmoothedBlock, if a material has nodal pressure.
+template <class Real>
+struct alignas(64) EndNodeRows {
+  std::array<std::array<Index, std::size_t(ElementBlock<Real>::width)>, 2> nodes{};  // of both ends
+};
+
+template <class Real>
+struct SmoothedArrays {  // one patch: all its domains are of one material
+  const SmoothedBlock<Real>* blocks;
+  Index block_count;
+  const GradientRow<Real>* gradients;    // of all vertices but the first
+  const NumberRow<Real>* numbers;        // of all vertices, as the patch numbers them
+  const FibreBlock<Real>* fibre_blocks;  // null where no material has fibres
+  const EndNodeRows<Real>* node_rows;    // null where no material has nodal pressure
+  const Real* pressure;                  // per node [Pa]
+  const PaddedVector<Real>* u;           // per vertex of the patch [m]
+  Law<Real> law;                         // without its pressure and direction
+};
+
+// The sums of terms for which kernels are compiled. The first is that of forces alone.
+inline constexpr Terms smoothed_terms[] = {{.svk = true},
+                                           {.svk = true, .pressure = true},
+                                           {.svk = true, .pressure = true, .fibre = true},
+                                           {.svk = false, .neo_hookean = true}};
+
+template <class Real>
+struct SmoothedKernels {
+  // Adds the forces of the patch's domains to those of its vertices [N], domain by domain.
+  void (*add_forces)(const SmoothedArrays<Real>& patch, PaddedVector<Real>* f);
+  void (*volume_strains)(const SmoothedArrays<Real>& patch, Real* rows);  // V tr E [m³], block by block
+  // Adds three of the six entries of the stiffness that each vertex feels when it moves while its neighbours
+  // are held [N/m].
+  void (*add_stiffness)(const SmoothedArrays<Real>& patch, StiffnessPart part, PaddedVector<Real>* K);
+};
+
+template <class Real>
+SmoothedKernels<Real> smoothed_kernels(InstructionSet set);  // of an available set
+
+}  // namespace lobe

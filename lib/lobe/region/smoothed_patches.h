@@ -1,0 +1,69 @@
+// Evaluates the edge-smoothed tetrahedra of one model (fem/smoothed_edge.h) in patches of domains: one
+// gather of a domain's vertices, one stress, one scatter. If a material has nodal pressure, a pass over the
+// strains comes first. The domains of a patch are ordered by their number of vertices, so that those of a
+// block have about as many. An edit writes the patches that it changes again.
+#pragma once
+
+#include "lobe/region/edge_pressures.h"
+#include "lobe/region/patch_sums.h"
+#include "lobe/region/smoothed_kernels.h"
+
+namespace lobe {
+
+template <class Real>
+class SmoothedPatches {
+ public:
+  explicit SmoothedPatches(InstructionSet set = chosen_instruction_set(),
+                           RegionModel model = RegionModel::nonlinear)
+      : kernels_(smoothed_kernels<Real>(set)), edges_(model) {}
+
+  // Throws InputError if a domain has more vertices than a patch.
+  void follow(const Elements& elements, const std::vector<Index>& leave, const std::vector<Index>& enter);
+  void add_forces(const Mat3X<Real>& u,  // 3 × #vertices [m]
+                  Mat3X<Real>& f,        // 3 × #vertices [N]
+                  Parallel& parallel);
+  double energy(const Mat3X<Real>& u);                                                          // [J]
+  void add_diagonal_stiffness(const Mat3X<Real>& u, DiagonalStiffness& K, Parallel& parallel);  // at u
+
+  std::size_t bytes() const;  // of the blocks that forces are evaluated from
+
+  template <class Visit>  // visit(layout, sums)
+  void visit_patches(Visit&& visit) {
+    visit(layout_, sums_);
+  }
+
+ private:
+  using Layout = PatchLayout<any_number>;
+  using LocalVectors = typename PatchSums<Real>::LocalVectors;
+  using Block = SmoothedBlock<Real>;
+  struct Patch {
+    std::vector<Block> blocks;
+    std::vector<GradientRow<Real>> gradients;
+    std::vector<NumberRow<Real>> numbers;
+    std::vector<FibreBlock<Real>> fibres;      // none where no material has fibres
+    std::vector<EndNodeRows<Real>> node_rows;  // none where no material has nodal pressure
+    std::vector<Index> edges;                  // in the order of lanes
+  };
+
+  bool any() const { return layout_.item_count() > 0; }
+  std::vector<Layout::Item> items_of(const std::vector<Index>& edges) const;
+  void write(Index p);
+  void write_lane(Patch& patch, Index block, int lane, Index slot) const;
+  SmoothedArrays<Real> arrays(Index p, const LocalVectors& u) const;
+  void find_pressures(const Mat3X<Real>& u, Parallel& parallel);
+
+  SmoothedKernels<Real> kernels_;
+  SmoothedEdges edges_;
+  Layout layout_;
+  std::vector<Law<double>> laws_;              // per material
+  std::vector<Layout::LocalCorners> corners_;  // per slot
+  std::vector<Patch> patches_;
+  PatchSums<Real> sums_;         // scratch
+  bool fibres_ = false;          // of any material
+  bool nodal_pressure_ = false;  // of any material; without, the rest is empty
+  EdgePressures pressures_;
+  std::vector<Real> volume_strain_;  // scratch: V tr E per domain [m³]
+  std::vector<Real> pressure_;       // scratch: per node [Pa]
+};
+
+}  // namespace lobe

@@ -126,6 +126,12 @@ void refuse_unknown_command(const CLI::App& app, const std::string& word) {
   throw lobe::InputError(word, "is no command" + guess + " (lobe --help lists them)");
 }
 
+void add_threads(CLI::App* command, SceneOptions& options) {
+  command->add_option("--threads", options.threads, "threads of the simulation")
+      ->check(CLI::Range(1, 256))
+      ->capture_default_str();
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -149,18 +155,14 @@ int main(int argc, char** argv) {
   CLI::App* run_command =
       add_scene_command(app, "run", "Play a scene: frames, pictures, report", options, action, run);
   run_command->add_option("-o,--output", options.output, "directory for the results")->required();
-  run_command->add_option("--threads", options.threads, "threads of the simulation")
-      ->check(CLI::Range(1, 256))
-      ->capture_default_str();
+  add_threads(run_command, options);
   run_command->add_flag("--no-pictures", options.no_pictures, "do not render pictures");
   run_command->add_option("--record", options.record, "file to record the run in, for `replay`");
   run_command->add_flag("--json", options.json, "print only the report");
   CLI::App* replay_command = add_scene_command(
       app, "replay", "Play a recording again and compare it, bit by bit", options, action, replay);
   replay_command->add_option("RECORDING", options.record, "what `run --record` wrote")->required();
-  replay_command->add_option("--threads", options.threads, "threads of the simulation")
-      ->check(CLI::Range(1, 256))
-      ->capture_default_str();
+  add_threads(replay_command, options);
   CLI::App* solve_command =
       add_scene_command(app, "solve", "Static equilibrium of a scene", options, action, solve);
   solve_command->add_option("-o,--output", options.output, "directory for the results")->required();

@@ -70,12 +70,12 @@ const std::vector<Feature>& features() {
       {"nodal_pressure", "averaged around vertices", [](Setup& s) { s.materials[0].nodal_pressure = 1; }},
       {"edge-smoothed", "strains averaged around edges",
        [](Setup& s) { s.materials[0].element = ElementType::edge_smoothed; }},
-      {"edge-smoothed, volume_penalty", "with a term per tetrahedron, too",
+      {"edge-smoothed with volume_penalty", "with a term per tetrahedron, too",
        [](Setup& s) {
          s.materials[0].element = ElementType::edge_smoothed;
          s.volume_penalty = 1e5;
        }},
-      {"edge-smoothed, nodal_pressure", "pressure averaged around vertices, the rest around edges",
+      {"edge-smoothed with nodal_pressure", "pressure averaged around vertices, the rest around edges",
        [](Setup& s) {
          s.materials[0].element = ElementType::edge_smoothed;
          s.materials[0].nodal_pressure = 1;

@@ -7,19 +7,21 @@ A comment above a block says what a test has to know, as GitHub does not show it
   <!-- options -->             commands that are too long for a test: their options are looked up in --help
   <!-- output -->              what the sh block above prints; numbers may differ by 2 %
 Languages: cpp, c (compiled), python (run; docs/python.md has a test of its own), json (read; as a scene, if it
-has "materials"), sh (run in a folder with data/ and examples/), text (a formula, a layout, an output).
+has "materials"), sh (run in a folder with data/ and examples/), csharp (compiled where Mono is),
+text (a formula, a layout, an output).
 
 blocks.py ROOT BIN CXX CC [INCLUDE]…: CXX "none" leaves the C++ blocks out
 """
 import json
 import os
 import re
+import shutil
 import subprocess
 import sys
 import tempfile
 from pathlib import Path
 
-LANGUAGES = {"cpp", "c", "python", "json", "sh", "text", "cmake"}
+LANGUAGES = {"cpp", "c", "csharp", "python", "json", "sh", "text", "cmake"}
 BLOCK = re.compile(r"(?:<!-- (?P<mark>[^\n]*?) -->\n+)?^```(?P<language>\w*)\n(?P<code>.*?)^```$", re.S | re.M)
 NUMBER = re.compile(r"-?\d[\d,]*(?:\.\d+)?(?:e[-+]?\d+)?")
 PRELUDE = "".join(f"#include <{header}>\n" for header in (
@@ -72,6 +74,8 @@ class Tester:
                     self.cpp.append((place, self.wrapped(code, mark, len(self.cpp))))
                 elif language == "c":
                     self.compile(place, self.cc, ["-std=c99", "-x", "c"], code)
+                elif language == "csharp":
+                    self.compile_csharp(place, code, folder)
                 elif language == "json":
                     self.read_json(place, code)
                 elif language == "python" and page.name != "python.md":
@@ -92,6 +96,18 @@ class Tester:
         done = subprocess.run(command, input=code, capture_output=True, text=True)
         if done.returncode:
             self.fault(place, done.stderr[:2000])
+
+    def compile_csharp(self, place, code, folder):
+        """As the body of a function, beside the classes of capi/csharp."""
+        if not shutil.which("mcs"):
+            return
+        program = folder / "block.cs"
+        program.write_text(f"using System;\nclass Block {{ static void Main() {{\n{code}}} }}\n", encoding="utf-8")
+        sources = [str(file) for file in sorted((self.root / "capi" / "csharp").glob("*.cs"))]
+        done = subprocess.run(["mcs", "-warnaserror", f"-out:{folder}/block.exe", str(program), *sources],
+                              capture_output=True, text=True)
+        if done.returncode:
+            self.fault(place, done.stdout[-2000:] + done.stderr[-2000:])
 
     def compile_cpp(self):
         if self.cxx == "none":

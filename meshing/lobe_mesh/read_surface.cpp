@@ -41,12 +41,14 @@ Surface read_surface(const std::filesystem::path& file) {
   FileText text{file.string(), {}};
   const std::string extension = extension_of(file);
   const bool known = extension == ".stl" || extension == ".obj" || extension == ".ply" ||
-                     extension == ".off" || extension == ".vtp";
+                     extension == ".off" || extension == ".vtp" || extension == ".vtk" || extension == ".vtu";
   std::error_code error;
   if (!std::filesystem::exists(file, error)) text.fail("no such file");
   if (std::filesystem::is_directory(file, error)) text.fail("is a folder, expected a file");
-  if (!known) text.fail("unknown extension '" + extension + "', expected .stl, .obj, .ply, .off or .vtp");
+  if (!known)
+    text.fail("unknown extension '" + extension + "', expected .stl, .obj, .ply, .off, .vtp, .vtk or .vtu");
   if (extension == ".vtp") return to_surface(read_vtp(file), text);
+  if (extension == ".vtk" || extension == ".vtu") return to_surface(read_vtk_surface(file), text);
   std::ifstream stream(file, std::ios::binary);
   if (!stream) text.fail("cannot be read");
   text.text.assign(std::istreambuf_iterator<char>(stream), {});

@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "lobe/file/scanner.h"
+#include "lobe/io/surface_io.h"
 #include "lobe_mesh/diagnose.h"
 #include "meshing/shapes.h"
 #include "near.h"
@@ -43,6 +44,49 @@ TEST_CASE("ascii STL and PLY, quadrilaterals and negative OBJ indices are read")
       "property uchar red\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n"
       "0 0 0 255\n1 0 0 255\n0 1 0 255\n3 0 1 2\n";
   CHECK(read_surface(folder.write("p.ply", ply)).triangle_count() == 1);
+}
+
+TEST_CASE(
+    "surfaces in VTK's formats are read: legacy polygons and strips, grids of triangles, strips of VTP") {
+  const SurfaceFolder folder;
+  const std::string head = "# vtk DataFile Version 3.0\ncube\nASCII\nDATASET ",
+                    points = "POINTS 8 float\n0 0 0 1 0 0 1 1 0 0 1 0 0 0 1 1 0 1 1 1 1 0 1 1\n",
+                    sides = "4 0 3 2 1 4 4 5 6 7";
+  const std::string around = "4 0 5 1 6 2 7 3 4 0";  // a strip of eight triangles
+  const auto check_cube = [](const Surface& cube) {
+    CHECK(cube.triangle_count() == 12);
+    CHECK(enclosed_volume(cube) == near(1, 1e-12));
+    CHECK(diagnose(cube).meshable());
+  };
+  check_cube(read_surface(
+      folder.write("a.vtk", head + "POLYDATA\n" + points + "LINES 1 3 2 0 1\nPOLYGONS 2 10\n" + sides +
+                                "\nTRIANGLE_STRIPS 1 11\n10 " + around + "\nCELL_DATA 4\nSCALARS a int\n")));
+  const std::string quads = "4 0 3 2 1 4 4 5 6 7 4 0 1 5 4 4 1 2 6 5 4 2 3 7 6 4 3 0 4 7";
+  check_cube(read_surface(folder.write("b.vtk", head + "UNSTRUCTURED_GRID\n" + points + "CELLS 6 30\n" +
+                                                    quads + "\nCELL_TYPES 6\n9 9 9 9 9 9\n")));
+  for (const std::string name : {"c.vtu", "c.vtp"}) {
+    const Surface sphere = make_sphere(0.05, 2);
+    write_surface(folder.path / name, sphere.points, sphere.triangles);
+    CHECK(read_surface(folder.path / name).triangles == sphere.triangles);
+  }
+  const Surface strip = read_surface(folder.write(
+      "d.vtp",
+      "<VTKFile type=\"PolyData\"><PolyData><Piece NumberOfPoints=\"4\" NumberOfPolys=\"0\"><Points>"
+      "<DataArray type=\"Float64\" NumberOfComponents=\"3\" format=\"ascii\">0 0 0 1 0 0 0 1 0 1 1 0"
+      "</DataArray></Points><Polys><DataArray type=\"Int64\" Name=\"connectivity\" format=\"ascii\">"
+      "</DataArray><DataArray type=\"Int64\" Name=\"offsets\" format=\"ascii\"></DataArray></Polys>"
+      "<Strips><DataArray type=\"Int64\" Name=\"connectivity\" format=\"ascii\">0 1 2 3</DataArray>"
+      "<DataArray type=\"Int64\" Name=\"offsets\" format=\"ascii\">4</DataArray></Strips>"
+      "</Piece></PolyData></VTKFile>"));
+  CHECK(strip.triangle_count() == 2);
+  Triangles expected(3, 2);
+  expected << 0, 1, /**/ 1, 3, /**/ 2, 2;
+  CHECK(strip.triangles == expected);
+  const std::string tetrahedron =
+      folder
+          .write("e.vtk", head + "UNSTRUCTURED_GRID\n" + points + "CELLS 1 5\n4 0 1 2 4\nCELL_TYPES 1\n10\n")
+          .string();
+  CHECK(contains(input_error([&] { read_surface(tetrahedron); }), "lobe takes it as it is"));
 }
 
 TEST_CASE("a backslash continues a line of OBJ, and faults name the line where it begins") {

@@ -25,7 +25,10 @@ struct Polygons {
   std::vector<Vec3d> points;                       // [m]
   std::vector<std::vector<std::int64_t>> corners;  // of each polygon
 };
-Polygons read_vtp(const std::filesystem::path& file);  // without triangle strips, lines and vertices
+Polygons read_vtp(const std::filesystem::path& file);  // strips as triangles, without lines and vertices
+// The polygons and strips of a legacy VTK file (.vtk: POLYDATA or UNSTRUCTURED_GRID, 2.0 … 5.1, ascii and
+// binary) or an unstructured grid (.vtu). Throws InputError: what is neither, or has tetrahedra only.
+Polygons read_vtk_surface(const std::filesystem::path& file);
 
 // A surface for drawing: each corner of a triangle has a point, and perhaps a texture coordinate and a
 // normal.

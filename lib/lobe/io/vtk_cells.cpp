@@ -54,13 +54,12 @@ std::vector<Index> vertices_of(const VtkCells& cells, std::size_t cell, std::siz
   return found;
 }
 
-}  // namespace
-
-std::vector<std::size_t> add_tetrahedra(const VtkCells& cells, const std::string& place, RawMesh& raw) {
+// Calls visit(cell, begin, end) for each cell, with its place in the connectivity.
+template <class Visit>
+void for_each_cell(const VtkCells& cells, const std::string& place, const Visit& visit) {
   if (cells.ends.size() != cells.types.size())
     throw InputError(place, std::to_string(cells.types.size()) + " cell types for " +
                                 std::to_string(cells.ends.size()) + " cells; expected one per cell");
-  std::vector<std::size_t> tets;
   std::int64_t begin = 0;
   for (std::size_t cell = 0; cell < cells.ends.size(); ++cell) {
     const auto end =
@@ -69,23 +68,64 @@ std::vector<std::size_t> add_tetrahedra(const VtkCells& cells, const std::string
       fail(place, cell,
            "its offset is " + exact(cells.ends[cell]) + ", expected " + std::to_string(begin) + " … " +
                std::to_string(cells.connectivity.size()) + "; offsets must increase");
+    visit(cell, begin, *end);
+    begin = *end;
+  }
+}
+
+void add_strip(const std::vector<std::int64_t>& strip, Polygons& polygons) {
+  for (std::size_t k = 0; k + 2 < strip.size(); ++k) {
+    const std::size_t odd = k % 2;
+    polygons.corners.push_back({strip[k], strip[k + 1 + odd], strip[k + 2 - odd]});
+  }
+}
+
+}  // namespace
+
+void add_points(const std::vector<double>& coordinates, Polygons& polygons) {
+  for (std::size_t i = 0; i + 2 < coordinates.size(); i += 3)
+    polygons.points.emplace_back(coordinates[i], coordinates[i + 1], coordinates[i + 2]);
+}
+
+void add_polygons(const VtkCells& cells, const std::string& place, Polygons& polygons) {
+  constexpr double triangle = 5, strip = 6, polygon = 7, pixel = 8, quadrangle = 9, six_node_triangle = 22;
+  for_each_cell(cells, place, [&](std::size_t cell, std::int64_t begin, std::int64_t end) {
+    const double type = cells.types[cell];
+    if (type != triangle && type != strip && type != polygon && type != pixel && type != quadrangle &&
+        type != six_node_triangle)
+      return;
+    std::vector<std::int64_t> corners;
+    for (std::int64_t k = begin; k < end; ++k) {
+      const auto vertex = whole_number(cells.connectivity[std::size_t(k)], 0, max_index);
+      if (!vertex) fail(place, cell, "names a vertex that is not a whole number from 0");
+      corners.push_back(*vertex);
+    }
+    if (type == strip) return add_strip(corners, polygons);
+    if (type == pixel && corners.size() == 4) std::swap(corners[2], corners[3]);
+    if (type == six_node_triangle && corners.size() == 6) corners.resize(3);
+    polygons.corners.push_back(std::move(corners));
+  });
+}
+
+std::vector<std::size_t> add_tetrahedra(const VtkCells& cells, const std::string& place, RawMesh& raw) {
+  std::vector<std::size_t> tets;
+  for_each_cell(cells, place, [&](std::size_t cell, std::int64_t begin, std::int64_t end) {
     const double type = cells.types[cell];
     const std::int64_t nodes = type == vtk_tetra ? 4 : type == vtk_quadratic_tetra ? 10 : 0;
     if (nodes == 0) {
       ++raw.ignored[kind_of(type)];
-    } else if (*end - begin != nodes) {
-      fail(place, cell,
-           "is a tetrahedron of " + std::to_string(*end - begin) + " vertices, expected " +
-               std::to_string(nodes));
-    } else {
-      const std::vector<Index> vertices =
-          vertices_of(cells, cell, std::size_t(begin), std::size_t(nodes), place, raw);
-      nodes == 4 ? (void)raw.corners.insert(raw.corners.end(), vertices.begin(), vertices.end())
-                 : add_ten_node(vertices, raw);
-      tets.push_back(cell);
+      return;
     }
-    begin = *end;
-  }
+    if (end - begin != nodes)
+      fail(place, cell,
+           "is a tetrahedron of " + std::to_string(end - begin) + " vertices, expected " +
+               std::to_string(nodes));
+    const std::vector<Index> vertices =
+        vertices_of(cells, cell, std::size_t(begin), std::size_t(nodes), place, raw);
+    nodes == 4 ? (void)raw.corners.insert(raw.corners.end(), vertices.begin(), vertices.end())
+               : add_ten_node(vertices, raw);
+    tets.push_back(cell);
+  });
   return tets;
 }
 

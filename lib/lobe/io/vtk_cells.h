@@ -2,6 +2,7 @@
 #pragma once
 
 #include "lobe/io/raw_mesh.h"
+#include "lobe/io/surface_io.h"
 
 namespace lobe::io {
 
@@ -11,8 +12,15 @@ struct VtkCells {
   std::vector<double> types;         // 10 is a tetrahedron, 24 one of ten nodes
 };
 
+void add_points(const std::vector<double>& coordinates, Polygons& polygons);
+// Appends triangles, quadrangles and polygons; of a strip its triangles, of a six-node triangle the corners.
+// Corners are not checked against the points.
+void add_polygons(const VtkCells& cells, const std::string& place, Polygons& polygons);
+
 // Appends the tetrahedra to `raw`; returns which cells they are.
 std::vector<std::size_t> add_tetrahedra(const VtkCells& cells, const std::string& place, RawMesh& raw);
+
+Polygons read_vtu_surface(const std::string& name, std::string_view bytes);
 
 // One value per cell.
 struct CellArray {

@@ -11,8 +11,12 @@ struct LegacyMesh {
   bool has_cells = false;
 };
 
-// Returns the major version.
-int read_legacy_header(Scanner& scan) {
+struct LegacyHeader {
+  int version = 0;  // the major one
+  std::string dataset;
+};
+
+LegacyHeader read_legacy_header(Scanner& scan) {
   constexpr std::string_view magic = "# vtk DataFile Version ";
   const std::string first(scan.line());
   if (first.substr(0, magic.size()) != magic)
@@ -24,9 +28,7 @@ int read_legacy_header(Scanner& scan) {
   if (encoding != "ascii" && encoding != "binary") scan.fail("expected ASCII or BINARY");
   if (encoding == "binary") scan.set_binary(std::endian::native == std::endian::little);
   scan.expect("DATASET");
-  if (lower_case(scan.word("a data set")) != "unstructured_grid")
-    scan.fail("expected DATASET UNSTRUCTURED_GRID; a surface is meshed by lobe-mesh");
-  return major - '0';
+  return {major - '0', lower_case(scan.word("a data set"))};
 }
 
 void read_points(Scanner& scan, RawMesh& raw) {
@@ -67,11 +69,15 @@ void read_cells_5(Scanner& scan, VtkCells& cells) {
   cells.connectivity = read_named_array(scan, "CONNECTIVITY", size);
 }
 
+void read_connectivity(Scanner& scan, int version, VtkCells& cells) {
+  version >= 5 ? read_cells_5(scan, cells) : read_cells_4(scan, cells);
+}
+
 void read_block(Scanner& scan, const std::string& keyword, int version, LegacyMesh& mesh) {
   if (keyword == "points") {
     read_points(scan, mesh.raw);
   } else if (keyword == "cells") {
-    version >= 5 ? read_cells_5(scan, mesh.cells) : read_cells_4(scan, mesh.cells);
+    read_connectivity(scan, version, mesh.cells);
     mesh.has_cells = true;
   } else if (keyword == "cell_types") {
     const std::size_t count = scan.count("cell types", 1);
@@ -110,7 +116,9 @@ std::vector<double> read_legacy_array(Scanner& scan, std::string_view type, std:
 
 RawMesh read_vtk_legacy(const std::string& name, std::string_view bytes) {
   Scanner scan(name, bytes);
-  const int version = read_legacy_header(scan);
+  const auto [version, dataset] = read_legacy_header(scan);
+  if (dataset != "unstructured_grid")
+    scan.fail("expected DATASET UNSTRUCTURED_GRID; a surface is meshed by lobe-mesh");
   LegacyMesh mesh;
   LegacyArrays arrays;
   while (!scan.at_end()) {
@@ -124,6 +132,42 @@ RawMesh read_vtk_legacy(const std::string& name, std::string_view bytes) {
   const auto tets = add_tetrahedra(mesh.cells, name, mesh.raw);
   take_labels(arrays, tets, name, mesh.raw);
   return std::move(mesh.raw);
+}
+
+namespace {
+
+// A block of POLYDATA. Cells of the two kinds that are surfaces go to `polygons`.
+void read_surface_block(Scanner& scan, const std::string& keyword, int version, const std::string& name,
+                        RawMesh& raw, Polygons& polygons) {
+  const double type = keyword == "polygons" ? 7 : keyword == "triangle_strips" ? 6 : 0;
+  if (keyword == "points") return read_points(scan, raw);
+  if (keyword == "field") return read_legacy_field(scan, nullptr);
+  if (type == 0 && keyword != "lines" && keyword != "vertices")
+    scan.fail("unknown keyword, expected POINTS, POLYGONS, TRIANGLE_STRIPS, LINES or VERTICES");
+  VtkCells cells;
+  read_connectivity(scan, version, cells);
+  cells.types.assign(cells.ends.size(), type);
+  add_polygons(cells, name, polygons);
+}
+
+}  // namespace
+
+Polygons read_vtk_legacy_surface(const std::string& name, std::string_view bytes) {
+  Scanner scan(name, bytes);
+  const auto [version, dataset] = read_legacy_header(scan);
+  const bool is_grid = dataset == "unstructured_grid";
+  if (!is_grid && dataset != "polydata") scan.fail("expected DATASET POLYDATA or UNSTRUCTURED_GRID");
+  LegacyMesh mesh;
+  Polygons polygons;
+  while (!scan.at_end()) {
+    const std::string keyword = lower_case(scan.word("a keyword"));
+    if (keyword == "point_data" || keyword == "cell_data") break;
+    is_grid ? read_block(scan, keyword, version, mesh)
+            : read_surface_block(scan, keyword, version, name, mesh.raw, polygons);
+  }
+  if (is_grid) add_polygons(mesh.cells, name, polygons);
+  add_points(mesh.raw.coordinates, polygons);
+  return polygons;
 }
 
 }  // namespace lobe::io

@@ -19,6 +19,8 @@ void skip_legacy_metadata(Scanner& scan, std::size_t components);
 using LegacyArrays = std::vector<CellArray>;
 void read_legacy_field(Scanner& scan, LegacyArrays* arrays);
 
+Polygons read_vtk_legacy_surface(const std::string& name, std::string_view bytes);
+
 // From POINT_DATA or CELL_DATA to the end of the file: keeps the scalars of cells.
 LegacyArrays read_legacy_attributes(Scanner& scan, std::string keyword, std::size_t points,
                                     std::size_t cells);

@@ -3,6 +3,7 @@
 #include "lobe/io/numeric.h"
 #include "lobe/io/raw_mesh.h"
 #include "lobe/io/surface_io.h"
+#include "lobe/io/vtk_legacy.h"
 #include "lobe/io/vtk_xml.h"
 #include "lobe/io/vtk_xml_write.h"
 
@@ -54,6 +55,21 @@ Polygons read_vtp(const std::filesystem::path& file) {
       polygon.push_back(*vertex);
     }
   }
+  if (const pugi::xml_node strips = xml.piece.child("Strips")) {
+    VtkCells cells{read_vtk_array(xml, strips, "connectivity"), read_vtk_array(xml, strips, "offsets"), {}};
+    cells.types.assign(cells.ends.size(), 6);
+    add_polygons(cells, name, polygons);
+  }
+  return polygons;
+}
+
+Polygons read_vtk_surface(const std::filesystem::path& file) {
+  const std::string name = file.string(), bytes = read_file(file);
+  const bool is_xml = lower_case(file.extension().string()) == ".vtu";
+  Polygons polygons = is_xml ? read_vtu_surface(name, bytes) : read_vtk_legacy_surface(name, bytes);
+  if (polygons.corners.empty())
+    throw InputError(name,
+                     "has no triangle or polygon; if it is a mesh of tetrahedra, lobe takes it as it is");
   return polygons;
 }
 

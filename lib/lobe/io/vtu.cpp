@@ -44,6 +44,15 @@ VtkData only_tetrahedra(const VtkData& cell_data, const std::vector<std::size_t>
 
 }  // namespace
 
+Polygons read_vtu_surface(const std::string& name, std::string_view bytes) {
+  VtkXml xml;
+  parse_vtk_xml(name, bytes, "UnstructuredGrid", xml);
+  Polygons polygons;
+  add_polygons(read_cells(xml), name, polygons);
+  add_points(read_vtk_points(xml), polygons);
+  return polygons;
+}
+
 MeshFile read_vtu(const std::string& name, std::string_view bytes) {
   VtkXml xml;
   parse_vtk_xml(name, bytes, "UnstructuredGrid", xml);

@@ -52,6 +52,19 @@ TEST_CASE("Gmsh 4.1: the label is the first physical group of the volume, parame
   CHECK(file.mesh.tets.col(0) == Eigen::Vector4i(0, 1, 2, 3));
 }
 
+TEST_CASE("Gmsh 2.2: of a tetrahedron in two groups one is kept, with the first label") {
+  const MeshFile file =
+      read_gmsh(format22 + nodes22 +
+                "$Elements\n3\n1 4 2 5 9 10 7 3000000000 2\n2 4 2 6 9 7 10 3000000000 2\n"
+                "3 4 2 5 9 2 3000000000 7 10\n$EndElements\n");
+  CHECK(file.mesh.tets == Tets(Eigen::Vector4i(0, 1, 2, 3)));
+  CHECK(file.mesh.labels == std::vector<int>{5});
+  REQUIRE(file.warnings().size() == 1);
+  CHECK(file.warnings()[0] ==
+        "2 of 3 tetrahedra are copies of others, as of volumes in several groups: the first of each is kept, "
+        "with its label");
+}
+
 TEST_CASE("Gmsh: binary files of the other byte order are read") {
   std::string text = "$MeshFormat\n2.2 1 8\n";
   const auto put = [&](auto value) {

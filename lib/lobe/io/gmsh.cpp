@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <functional>
 #include <map>
+#include <set>
 #include <unordered_map>
 
 #include "lobe/io/raw_mesh.h"
@@ -62,6 +63,7 @@ class GmshReader {
     if (raw_.coordinates.empty())
       scan_.fail("the file has no " + nodes_section() + " section; it is truncated");
     label_by_entities();
+    drop_copies();
     name_groups();
     return std::move(raw_);
   }
@@ -256,6 +258,28 @@ class GmshReader {
       return;
     for (std::size_t t = 0; t < entities_.size(); ++t) raw_.labels[t] = label(entities_[t]);
     raw_.notes.push_back("no tetrahedron is in a physical group: labels are the numbers of the volumes");
+  }
+
+  // Gmsh writes an element once for each of its groups where it cannot name several (1, 2.2). The first one
+  // stays, with its label.
+  void drop_copies() {
+    std::set<std::array<Index, 4>> seen;
+    const std::size_t tets = raw_.labels.size();
+    std::size_t kept = 0;
+    for (std::size_t t = 0; t < tets; ++t) {
+      std::array<Index, 4> corners{};
+      std::copy_n(&raw_.corners[4 * t], 4, corners.begin());
+      std::sort(corners.begin(), corners.end());
+      if (!seen.insert(corners).second) continue;
+      std::copy_n(&raw_.corners[4 * t], 4, &raw_.corners[4 * kept]);
+      raw_.labels[kept++] = raw_.labels[t];
+    }
+    if (kept == tets) return;
+    raw_.corners.resize(4 * kept);
+    raw_.labels.resize(kept);
+    raw_.notes.push_back(std::to_string(tets - kept) + " of " + std::to_string(tets) +
+                         " tetrahedra are copies of others, as of volumes in several groups: the first of "
+                         "each is kept, with its label");
   }
 
   void name_groups() {

@@ -148,6 +148,7 @@
 #include "lobe/scene/resolve.h"
 #include "lobe/scene/schema.h"
 #include "lobe/scene/select.h"
+#include "lobe/scene/tissues.h"
 #include "lobe/scene/write_scene.h"
 #include "lobe/setup/exclusions.h"
 #include "lobe/sim/checkpoint.h"

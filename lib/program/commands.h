@@ -63,4 +63,9 @@ struct ConvertOptions {
 };
 int convert(const ConvertOptions& options);
 
+struct TissuesOptions {
+  bool json = false;
+};
+int print_tissues(const TissuesOptions& options);
+
 }  // namespace lobe::program

@@ -97,6 +97,13 @@ void add_convert(CLI::App& app, ConvertOptions& options, Action& action) {
   command->callback([&] { action = [&] { return convert(options); }; });
 }
 
+void add_tissues(CLI::App& app, TissuesOptions& options, Action& action) {
+  CLI::App* command =
+      app.add_subcommand("tissues", "Organs, tissues and phantoms that a material may be named after");
+  command->add_flag("--json", options.json, "print only JSON");
+  command->callback([&] { action = [&] { return print_tissues(options); }; });
+}
+
 CLI::App* add_scene_command(CLI::App& app, const char* name, const char* help, SceneOptions& options,
                             Action& action, int (*function)(const SceneOptions&)) {
   CLI::App* command = app.add_subcommand(name, help);
@@ -175,6 +182,8 @@ int main(int argc, char** argv) {
   add_refine(app, refine_options, action);
   ConvertOptions convert_options;
   add_convert(app, convert_options, action);
+  TissuesOptions tissues_options;
+  add_tissues(app, tissues_options, action);
   CLI::App* regions_command =
       add_scene_command(app, "regions", "Write the mesh with its region tags", options, action, regions);
   regions_command->add_option("-o,--output", options.output, "mesh to write (.vtu)")->required();

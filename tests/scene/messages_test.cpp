@@ -120,13 +120,13 @@ TEST_CASE("materials are one of two pairs, and stable") {
        "/materials/0/poisson_ratio: -1, must be above -1\n/materials/0/young_modulus: 0, must be above 0"},
       {R"({"materials": [{"lame_lambda": 1}]})", "/materials/0: \"lame_lambda\" also needs \"lame_mu\""},
       {R"({"materials": [{"poisson_ratio": 0.1}]})",
-       "/materials/0: \"poisson_ratio\" also needs \"young_modulus\""},
+       "/materials/0: \"poisson_ratio\" also needs \"young_modulus\" or \"tissue\""},
       {R"({"materials": [{}]})",
        "/materials/0: needs exactly one of \"lame_lambda\" with \"lame_mu\", \"young_modulus\" with "
-       "\"poisson_ratio\" or \"young_modulus_along\""},
+       "\"poisson_ratio\", \"young_modulus_along\" or \"tissue\""},
       {R"({"materials": [{"lame_lambda": 1, "lame_mu": 1, "young_modulus": 1}]})",
        "/materials/0: needs exactly one of \"lame_lambda\" with \"lame_mu\", \"young_modulus\" with "
-       "\"poisson_ratio\" or \"young_modulus_along\", has 2"},
+       "\"poisson_ratio\", \"young_modulus_along\" or \"tissue\", has 2"},
       {R"({"materials": [{"lame_lambda": -2, "lame_mu": 3}]})",
        "/materials/0/lame_lambda: -2, must be above -2/3 lame_mu = -2 (unstable material)"},
       {R"({"materials": [{"lame_lambda": 1, "lame_mu": 0}]})", "/materials/0/lame_mu: 0, must be above 0"},

@@ -170,13 +170,22 @@ class Explainer {
     if (alternatives_fit(meant, schema, place)) check_dependencies(meant, schema, place);
   }
 
+  // A list of keys that a key needs, or `anyOf` of such lists with one key each.
   void check_dependencies(const json& object, const json& schema, const std::string& place) {
     const json& dependencies = schema.contains("dependencies") ? schema["dependencies"] : empty_;
     for (const auto& [key, partners] : dependencies.items()) {
       if (!object.contains(key)) continue;
-      for (const std::string partner : partners) {
-        if (!object.contains(partner)) add(place, in_quotes(key) + " also needs " + in_quotes(partner));
+      const auto needs = [&](const std::vector<std::string>& any) {
+        if (std::none_of(any.begin(), any.end(), [&](const std::string& k) { return object.contains(k); }))
+          add(place, in_quotes(key) + " also needs " + listed(each_in_quotes(any)));
+      };
+      if (partners.is_array()) {
+        for (const std::string partner : partners) needs({partner});
+        continue;
       }
+      std::vector<std::string> any;
+      for (const json& branch : partners["anyOf"]) any.push_back(branch["required"][0]);
+      needs(any);
     }
   }
 
@@ -198,7 +207,8 @@ class Explainer {
   }
 
   // `oneOf` of lists of required keys: [{"required": ["a", "b"]}, …]. A branch is meant as soon as one of its
-  // keys is there; what it lacks is the business of `dependencies`, so that nothing is said twice.
+  // keys is there; what it lacks is the business of `dependencies`, so that nothing is said twice. A branch
+  // with "not" is for what no other is meant by.
   bool alternatives_fit(const json& object, const json& schema, const std::string& place) {
     const auto branches = schema.find("oneOf");
     if (branches == schema.end()) return true;
@@ -209,6 +219,7 @@ class Explainer {
       for (const std::string key : branch["required"])
         keys += (keys.empty() ? "" : " with ") + in_quotes(key);
       words.push_back(keys);
+      if (branch.contains("not") && meant > 0) continue;
       meant += std::any_of(branch["required"].begin(), branch["required"].end(),
                            [&](const json& key) { return object.contains(key); });
     }

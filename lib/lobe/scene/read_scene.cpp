@@ -9,6 +9,7 @@
 #include "lobe/scene/material_constants.h"
 #include "lobe/scene/read_selector.h"
 #include "lobe/scene/read_shape.h"
+#include "lobe/scene/tissues.h"
 #include "lobe/scene/tool_kinds.h"
 #include "lobe/scene/validate.h"
 
@@ -44,7 +45,20 @@ void read_transverse(const json& entry, Material& material) {
   material.fibre = read_fibre(entry["fibre"]);
 }
 
-Material read_material(const json& entry, const std::string& pointer) {
+// A material with the keys that its tissue stands for and that it does not have itself.
+json with_tissue(json entry) {
+  if (!entry.contains("tissue")) return entry;
+  const Tissue& tissue = *find_tissue(entry["tissue"].get<std::string>());  // the schema knows no others
+  entry.emplace("name", tissue.name);
+  entry.emplace("density", tissue.density);
+  if (entry.contains("lame_mu") || entry.contains("young_modulus_along")) return entry;
+  entry.emplace("young_modulus", tissue.young_modulus);
+  entry.emplace("poisson_ratio", tissue_poisson_ratio);
+  return entry;
+}
+
+Material read_material(const json& given, const std::string& pointer) {
+  const json entry = with_tissue(given);
   Material material;
   read(entry, "name", material.name);
   read(entry, "density", material.density);

@@ -81,6 +81,12 @@ inline Surface from_cgal(const CgalMesh& mesh) {
   return surface;
 }
 
+// What CGAL says: the expression that failed, or else its message, or what the exception says.
+inline std::string words_of(const CGAL::Failure_exception& failure) {
+  if (!failure.expression().empty()) return failure.expression();
+  return failure.message().empty() ? failure.what() : failure.message();
+}
+
 // Runs a step of CGAL: always the same random numbers, nothing printed, every failure of a precondition a
 // MeshingFailure that names the step.
 template <class Step>
@@ -92,7 +98,7 @@ auto guarded(const std::string& name, const Step& step) {
   try {
     return step();
   } catch (const CGAL::Failure_exception& failure) {
-    throw MeshingFailure(name + " failed inside CGAL (" + failure.expression() + ")");
+    throw MeshingFailure(name + " failed inside CGAL (" + words_of(failure) + ")");
   } catch (const std::bad_alloc&) {
     throw MeshingFailure(name + " ran out of memory");
   }

@@ -56,10 +56,15 @@ Index MeshReport::missing_labels() const {
       std::count_if(parts.begin(), parts.end(), [](const Part& part) { return part.tets == 0; }));
 }
 
-bool MeshReport::passes() const {
-  return missing_labels() == 0 && quality.min_dihedral >= quality_gate.min_dihedral &&
-         time_step_star >= quality_gate.time_step_star &&
+double MeshReport::largest_gap() const { return std::max(surface_to_mesh.largest, mesh_to_surface.largest); }
+
+bool MeshReport::has_good_shapes() const {
+  return quality.min_dihedral >= quality_gate.min_dihedral && time_step_star >= quality_gate.time_step_star &&
          quality.smallest_altitude_ratio >= quality_gate.smallest_altitude_ratio;
+}
+
+bool MeshReport::passes() const {
+  return missing_labels() == 0 && largest_gap() <= quality_gate.gap * longest_edge && has_good_shapes();
 }
 
 void measure(const TetMesh& mesh, const Model& model, const MeshOptions& options, MeshReport& report) {

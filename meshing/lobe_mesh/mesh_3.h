@@ -51,6 +51,13 @@ inline constexpr double facet_distance = 0.3;  // tighter values ruin the time s
 // pieces.
 inline constexpr std::size_t points_per_piece = 12;
 
+// Whether a seed is so near that another point there would make an edge shorter than any that is asked for.
+inline bool is_near_a_seed(const MeshingRun& run, const Point& p) {
+  const Vec3d at(p.x(), p.y(), p.z());
+  return std::any_of(run.seeds.begin(), run.seeds.end(),
+                     [&](const Seed& seed) { return (seed.point - at).norm() < run.sizing.shortest(); });
+}
+
 template <class Domain>
 struct Mesh3 {
   using Triangulation = typename CGAL::Mesh_triangulation_3<Domain>::type;

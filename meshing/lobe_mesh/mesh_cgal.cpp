@@ -15,22 +15,29 @@ namespace {
 
 using Polyhedron = CGAL::Mesh_polyhedron_3<Kernel>::type;
 
-// Starts the refinement from points of every piece of every surface.
+// Starts the refinement from points of every piece of every surface, and from the seeds of the run.
 class Domain : public CGAL::Polyhedral_complex_mesh_domain_3<Kernel, Polyhedron> {
   using Base = CGAL::Polyhedral_complex_mesh_domain_3<Kernel, Polyhedron>;
 
  public:
   using Base::Base;
 
+  const MeshingRun* run = nullptr;
+
   struct Construct_initial_points {
     template <class Output>
     Output operator()(Output out, int = 0) const {
       for (const auto& [patch, centres] : domain.centres_of_pieces()) {
         const std::size_t count = std::min(points_per_piece, centres.size());
-        for (std::size_t i = 0; i < count; ++i)
-          *out++ =
-              std::pair(centres[i * centres.size() / count], domain.index_from_surface_patch_index(patch));
+        for (std::size_t i = 0; i < count; ++i) {
+          const Point& centre = centres[i * centres.size() / count];
+          if (!is_near_a_seed(*domain.run, centre))
+            *out++ = std::pair(centre, domain.index_from_surface_patch_index(patch));
+        }
       }
+      for (const Seed& seed : domain.run->seeds)
+        *out++ = std::pair(Point(seed.point.x(), seed.point.y(), seed.point.z()),
+                           domain.index_from_surface_patch_index(domain.patch_at(seed)));
       return out;
     }
     const Domain& domain;
@@ -51,6 +58,11 @@ class Domain : public CGAL::Polyhedral_complex_mesh_domain_3<Kernel, Polyhedron>
       }
     }
     return centres;
+  }
+
+  // Facets are in the order of the triangles that they were made of.
+  Surface_patch_index patch_at(const Seed& seed) const {
+    return std::next(stored_polyhedra[seed.surface].facets_begin(), seed.triangle)->patch_id();
   }
 };
 
@@ -85,6 +97,7 @@ TetMesh mesh_with_cgal(const Model& model, const MeshingRun& run) {
       sides.emplace_back(model.sides[k].inside + 1, model.sides[k].outside + 1);
     }
     Counted<Domain> domain(polyhedra.begin(), polyhedra.end(), sides.begin(), sides.end(), &random);
+    domain.run = &run;
     add_features(domain, model);
     return refine(domain, run, CGAL::parameters::manifold());
   });

@@ -15,12 +15,13 @@ namespace {
 
 using LabelDomain = CGAL::Labeled_mesh_domain_3<Kernel>;
 
-// Starts the refinement from points of every piece of every interface that is as large as an edge.
+// Starts the refinement from points of every piece of every interface that is as large as an edge, and from
+// the seeds of the run.
 class ImageDomain : public CGAL::Mesh_domain_with_polyline_features_3<LabelDomain> {
   using Base = CGAL::Mesh_domain_with_polyline_features_3<LabelDomain>;
 
  public:
-  ImageDomain(const Model& model, const Sizing& sizing, const CGAL::Bbox_3& box, double error_bound,
+  ImageDomain(const Model& model, const MeshingRun& run, const CGAL::Bbox_3& box, double error_bound,
               CGAL::Random& random)
       : Base(
             [&model](const Point& p) {
@@ -28,17 +29,16 @@ class ImageDomain : public CGAL::Mesh_domain_with_polyline_features_3<LabelDomai
             },
             box, error_bound, CGAL::Null_subdomain_index(), &random),
         model_(model),
-        sizing_(sizing) {}
+        run_(run) {}
 
   struct Construct_initial_points {
     template <class Output>
     Output operator()(Output out, int = 0) const {
       for (std::size_t k = 0; k < domain.model_.surfaces.size(); ++k) {
-        const Sides& sides = domain.model_.sides[k];
-        const auto index = domain.index_from_surface_patch_index({sides.outside + 1, sides.inside + 1});
-        for (const Vec3d& p : starts(domain.model_.surfaces[k], domain.sizing_.shortest()))
-          *out++ = std::pair(Point(p.x(), p.y(), p.z()), index);
+        for (const Vec3d& p : starts(domain.model_.surfaces[k], domain.run_.sizing.shortest()))
+          if (!is_near_a_seed(domain.run_, Point(p.x(), p.y(), p.z()))) *out++ = domain.point_on(k, p);
       }
+      for (const Seed& seed : domain.run_.seeds) *out++ = domain.point_on(seed.surface, seed.point);
       return out;
     }
     const ImageDomain& domain;
@@ -46,6 +46,12 @@ class ImageDomain : public CGAL::Mesh_domain_with_polyline_features_3<LabelDomai
   Construct_initial_points construct_initial_points_object() const { return {*this}; }
 
  private:
+  std::pair<Point, Base::Index> point_on(std::size_t surface, const Vec3d& p) const {
+    const Sides& sides = model_.sides[surface];
+    return {Point(p.x(), p.y(), p.z()),
+            index_from_surface_patch_index({sides.outside + 1, sides.inside + 1})};
+  }
+
   static std::vector<Vec3d> starts(const Surface& surface, double edge) {
     DisjointSets pieces(static_cast<std::size_t>(surface.point_count()));
     for (const auto& t : surface.triangles.colwise()) pieces.join(t[0], t[1]), pieces.join(t[1], t[2]);
@@ -62,7 +68,7 @@ class ImageDomain : public CGAL::Mesh_domain_with_polyline_features_3<LabelDomai
   }
 
   const Model& model_;
-  const Sizing& sizing_;
+  const MeshingRun& run_;
 };
 
 CGAL::Bbox_3 box_of(const Model& model, double margin) {
@@ -96,7 +102,7 @@ TetMesh mesh_image_with_cgal(const Model& model, const MeshingRun& run) {
     const CGAL::Bbox_3 box = box_of(model, edge);
     const double radius =
         std::hypot(box.xmax() - box.xmin(), box.ymax() - box.ymin(), box.zmax() - box.zmin()) / 2;
-    Counted<ImageDomain> domain(model, run.sizing, box, error_bound * edge / radius, random);
+    Counted<ImageDomain> domain(model, run, box, error_bound * edge / radius, random);
     add_junctions(domain, model, edge);
     return refine(domain, run, CGAL::parameters::non_manifold());
   });

@@ -45,6 +45,13 @@ Json as_json(const Attempt& a) {
   return json;
 }
 
+Json as_json(const SurfaceGap& gap) {
+  return {{"mean", gap.mean},
+          {"percentile_95", gap.percentile_95},
+          {"largest", gap.largest},
+          {"place", as_json(gap.place)}};
+}
+
 void add_quality(const Quality& q, Json& json) {
   json["volume"] = q.volume;
   json["min_dihedral"] = q.min_dihedral;
@@ -92,6 +99,9 @@ std::string in_json(const std::vector<InputFile>& inputs, const std::string& mes
                         {"position", as_json(slowest.position)},
                         {"on_boundary", slowest.on_boundary},
                         {"tets", slowest.tets}};
+  json["surface_to_mesh"] = as_json(report.surface_to_mesh);
+  json["mesh_to_surface"] = as_json(report.mesh_to_surface);
+  if (report.keeping_edge > 0) json["keeping_edge"] = report.keeping_edge;
   json["passes"] = report.passes();
   for (const Attempt& attempt : report.attempts) json["attempts"].push_back(as_json(attempt));
   for (const Phase& phase : report.phases) json["seconds"][phase.name] = phase.seconds;
@@ -136,6 +146,10 @@ std::string in_words(const MeshReport& report) {
   text << "dihedral angles " << q.min_dihedral << " … " << q.max_dihedral << "°, median of the smallest "
        << q.median_min_dihedral << "°; smallest altitude " << q.smallest_altitude << " m\n";
   text << "volume " << q.volume << " m³, " << report.volume_error << " % from the input's\n";
+  text << "from the surface to the mesh " << rounded(report.surface_to_mesh.mean)
+       << " m in the mean, at most " << rounded(report.surface_to_mesh.largest) << " m at "
+       << position(report.surface_to_mesh.place) << "; back " << rounded(report.mesh_to_surface.mean)
+       << " m, at most " << rounded(report.mesh_to_surface.largest) << " m\n";
   text << "stable time step " << report.time_step << " s (dt* " << report.time_step_star
        << "), bounded near vertex " << report.bottleneck.vertex << " at "
        << position(report.bottleneck.position) << ", "

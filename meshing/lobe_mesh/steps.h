@@ -32,8 +32,16 @@ Surface alpha_wrap(const Surface& surface, double alpha, double offset);
 // Triangles of about the same size; feature lines stay.
 Surface remesh(const Surface& surface, const std::vector<Polyline>& features, double edge);
 
+// A point on a surface of the model.
+struct Seed {
+  Vec3d point = Vec3d::Zero();
+  std::size_t surface = 0;
+  Index triangle = 0;
+};
+
 struct MeshingRun {
   const Sizing& sizing;
+  const std::vector<Seed>& seeds;             // that the refinement starts from besides its own
   double time_limit;                          // [s]
   double expected_tets;                       // for `progress`
   std::function<void(double done)> progress;  // 0 … 1

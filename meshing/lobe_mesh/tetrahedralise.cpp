@@ -11,6 +11,7 @@
 #include "lobe/error.h"
 #include "lobe/mesh/spatial_order.h"
 #include "lobe/text.h"
+#include "lobe_mesh/area.h"
 #include "lobe_mesh/check_options.h"
 #include "lobe_mesh/child_process.h"
 #include "lobe_mesh/diagnose.h"
@@ -19,6 +20,7 @@
 #include "lobe_mesh/relax.h"
 #include "lobe_mesh/sizing.h"
 #include "lobe_mesh/steps.h"
+#include "lobe_mesh/surface_gap.h"
 #include "lobe_mesh/volumes.h"
 
 namespace lobe::meshing {
@@ -77,6 +79,14 @@ Model remesh_without_intersections(const Model& model, double edge) {
   throw MeshingFailure("remeshing left self-intersections: use --mesher cgal, or a shorter --edge");
 }
 
+// A third of the size of a region, 6 V/A: of a cube that is its edge, of a ball its diameter.
+double edge_within(const Model& model, int region) {
+  double faces = 0;
+  for (std::size_t k = 0; k < model.surfaces.size(); ++k)
+    if (model.sides[k].inside == region || model.sides[k].outside == region) faces += area(model.surfaces[k]);
+  return faces > 0 ? 2 * model.volumes[std::size_t(region)] / faces : 0;
+}
+
 // The repair separates bodies that touch along an edge or at a vertex, but leaves them in the same place.
 // Mesh_3 refines there without end.
 void refuse_touching(const Surface& surface) {
@@ -102,6 +112,8 @@ class Tries {
   void one(Mesher mesher, double factor);
   TetMesh mesh_with(Mesher mesher, double edge);
   void improve(TetMesh& mesh);
+  Remedy measure_gap(const TetMesh& mesh, MeshReport& report) const;
+  bool ask_for_lost_parts();
   bool available(Mesher mesher) const;
   bool failed(Mesher mesher) const;
   bool out_of_time() const { return stopwatch_.elapsed() > options_.time_limit; }
@@ -113,6 +125,8 @@ class Tries {
   Model scaled_;
   MeshOptions scaled_options_;
   std::vector<NearestPoint> surfaces_;
+  NearestPoint surface_;  // all of them
+  std::vector<SurfacePoint> surface_points_;
   Interfaces interfaces_;
   std::vector<Mat3X<double>> features_;  // points of the feature lines, scaled
   std::vector<std::string> warnings_;
@@ -120,7 +134,12 @@ class Tries {
   Stopwatch stopwatch_{phases_};
   TetMesh best_;
   MeshReport best_report_;
+  Remedy remedy_;  // scaled: what would keep the parts that the best mesh lost
+  std::vector<Seed> seeds_;
 };
+
+constexpr double point_spacing = 0.5;  // of the edge
+constexpr int most_remedies = 3;       // meshes with shorter edges where parts were lost
 
 Tries::Tries(const Model& model, const MeshOptions& options, MeshReport& report)
     : model_(model),
@@ -128,7 +147,9 @@ Tries::Tries(const Model& model, const MeshOptions& options, MeshReport& report)
       report_(report),
       unit_(joined_surface(model.surfaces)),
       scaled_(model),
-      scaled_options_(options) {
+      scaled_options_(options),
+      surface_(Surface{unit_.to_unit(joined_surface(model.surfaces).points),
+                       joined_surface(model.surfaces).triangles}) {
   scaled_options_.edge /= unit_.size;
   for (auto& [label, edge] : scaled_options_.label_edges) edge /= unit_.size;
   for (SizeBall& ball : scaled_options_.balls)
@@ -149,6 +170,13 @@ Tries::Tries(const Model& model, const MeshOptions& options, MeshReport& report)
     scaled_.image_region = [&](const Vec3d& point) { return model.image_region(unit_.from_unit(point)); };
   }
   report_.shortest_edge = unit_.size * Sizing(scaled_, scaled_options_).shortest();
+  report_.longest_edge = options.edge;
+  for (const auto& [label, edge] : options.label_edges)
+    report_.longest_edge = std::max(report_.longest_edge, edge);
+  for (std::size_t k = 0; k < scaled_.surfaces.size(); ++k) {
+    const auto points = points_on(scaled_.surfaces[k], point_spacing * scaled_options_.edge, k);
+    surface_points_.insert(surface_points_.end(), points.begin(), points.end());
+  }
   stopwatch_.phase("prepare");
 }
 
@@ -193,7 +221,7 @@ TetMesh Tries::mesh_with(Mesher mesher, double factor) {
     for (auto& [label, edge] : options.label_edges) edge *= factor;
     for (SizeBall& ball : options.balls) ball.edge *= factor;
     const Sizing sizing(scaled_, options);
-    const MeshingRun run{sizing, options.time_limit, expected_tets(options, scaled_),
+    const MeshingRun run{sizing, seeds_, options.time_limit, expected_tets(options, scaled_),
                          [&](double done) { options.progress("mesh (cgal)", done); }};
     TetMesh mesh = model_.is_image() ? mesh_image_with_cgal(scaled_, run) : mesh_with_cgal(scaled_, run);
     stopwatch_.phase("cgal");
@@ -224,18 +252,59 @@ void Tries::improve(TetMesh& mesh) {
   stopwatch_.phase("relax");
 }
 
-// Keeps the mesh if it is the best so far. Meshes are compared by the number of their labels, then by how
-// near they are to passing the gate, then by their time step.
+Remedy Tries::measure_gap(const TetMesh& mesh, MeshReport& report) const {
+  const Surface faces = faces_of_surfaces(mesh);
+  const NearestPoint faces_at(faces);
+  const auto in_metres = [&](SurfaceGap gap) {
+    for (double* length : {&gap.mean, &gap.percentile_95, &gap.largest}) *length *= unit_.size;
+    gap.place = unit_.from_unit(gap.place);
+    return gap;
+  };
+  const double spacing = point_spacing * scaled_options_.edge;
+  report.surface_to_mesh = in_metres(gap_between(surface_points_, faces_at));
+  report.mesh_to_surface = in_metres(gap_between(points_on(faces, spacing), surface_));
+  const double bound = quality_gate.gap * report.longest_edge / unit_.size;
+  Remedy remedy = remedy_for(surface_points_, surface_, faces_at, bound, spacing);
+  report.keeping_edge = 0;
+  for (const SizeBall& ball : remedy.balls)
+    report.keeping_edge = report.keeping_edge == 0 ? unit_.size * ball.edge
+                                                   : std::min(report.keeping_edge, unit_.size * ball.edge);
+  return remedy;
+}
+
+// Shortens edges where the best mesh has lost a label or, if asked to, a part of the surface. Returns whether
+// it did.
+bool Tries::ask_for_lost_parts() {
+  if (options_.mesher != Mesher::cgal) return false;
+  bool any = false;
+  for (std::size_t r = 0; r < best_report_.parts.size(); ++r) {
+    const int label = model_.labels[r];
+    if (best_report_.parts[r].tets > 0 || scaled_options_.label_edges.contains(label)) continue;
+    scaled_options_.label_edges[label] = edge_within(scaled_, int(r));
+    any = true;
+  }
+  if (options_.keep_thin && !remedy_.balls.empty()) {
+    scaled_options_.balls.insert(scaled_options_.balls.end(), remedy_.balls.begin(), remedy_.balls.end());
+    seeds_.insert(seeds_.end(), remedy_.seeds.begin(), remedy_.seeds.end());
+    any = true;
+  }
+  if (any) report_.shortest_edge = unit_.size * Sizing(scaled_, scaled_options_).shortest();
+  return any;
+}
+
+// Keeps the mesh if it is the best so far. Meshes are compared by the number of their labels, then by whether
+// they have all parts of the surface, then by how near they are to passing the gate, then by their time step.
 void Tries::one(Mesher mesher, double factor) {
   Attempt attempt{mesher, factor * options_.edge, 0, 0, {}};
   try {
     TetMesh mesh = mesh_with(mesher, factor);
     if (mesh.tet_count() == 0) throw MeshingFailure("no tetrahedra: choose a shorter --edge");
     improve(mesh);
+    MeshReport now = report_;
+    Remedy remedy = measure_gap(mesh, now);
     mesh.points = unit_.from_unit(mesh.points);
     prepare(mesh, "mesh");
     mesh = in_spatial_order(mesh);
-    MeshReport now = report_;
     now.mesher = mesher;
     options_.progress("measure", -1);
     measure(mesh, model_, options_, now);
@@ -246,11 +315,13 @@ void Tries::one(Mesher mesher, double factor) {
       const double dihedral = r.quality.min_dihedral / quality_gate.min_dihedral,
                    altitude = r.quality.smallest_altitude_ratio / quality_gate.smallest_altitude_ratio,
                    step = r.time_step_star / quality_gate.time_step_star;
-      return std::tuple(-r.missing_labels(), std::min({1.0, dihedral, altitude, step}), step);
+      const double near = std::min(1.0, quality_gate.gap * r.longest_edge / r.largest_gap());
+      return std::tuple(-r.missing_labels(), near, std::min({1.0, dihedral, altitude, step}), step);
     };
     if (best_.tet_count() == 0 || rank(now) > rank(best_report_)) {
       best_ = std::move(mesh);
       best_report_ = std::move(now);
+      remedy_ = std::move(remedy);
     }
   } catch (const MeshingFailure& error) {
     attempt.failure = error.what();
@@ -270,8 +341,14 @@ TetMesh Tries::best() {
     if (!out_of_time() && (!both || !failed(mesher))) one(mesher, factor);
   };
   one(options_.mesher, 1);
+  for (int i = 0; i < most_remedies && best_.tet_count() > 0 && ask_for_lost_parts(); ++i)
+    again(options_.mesher, 1);
   for (int i = 1; i < options_.tries; ++i) again(options_.mesher, jitter[i]);
-  for (int i = 0; i < second_tries && !best_report_.passes(); ++i)
+  // Almost the same edge loses the same parts of the surface.
+  const auto is_worth_a_try = [&](int i) {
+    return !best_report_.passes() && (i == 0 || best_.tet_count() == 0 || !best_report_.has_good_shapes());
+  };
+  for (int i = 0; i < second_tries && is_worth_a_try(i); ++i)
     again(both && i % 2 == 0 ? other : options_.mesher, jitter[both ? (i + 1) / 2 : i + 1]);
   if (best_.tet_count() == 0) throw MeshingFailure(report_.attempts.front().failure);
   best_report_.attempts = report_.attempts;
@@ -293,20 +370,52 @@ void warn_of_pinches(const TetMesh& mesh, MeshReport& report) {
   }
 }
 
+// A label that is smaller than an edge gets edges of a third of its size, unless it has others already.
+void shorten_for_small_labels(const Model& model, MeshOptions& options, std::vector<std::string>& notes) {
+  if (options.mesher != Mesher::cgal) return;
+  for (int region = 0; region < model.region_count(); ++region) {
+    const double edge = edge_within(model, region);
+    const int label = model.labels[std::size_t(region)];
+    if (!(edge > 0) || 3 * edge >= options.edge || options.label_edges.contains(label)) continue;
+    options.label_edges[label] = edge;
+    notes.push_back("label " + std::to_string(label) + " is smaller than an edge: its edges are " +
+                    rounded(edge) + " m (--label-edge " + std::to_string(label) + "=EDGE for others)");
+  }
+}
+
+std::string words_of_gap(const MeshReport& report) {
+  const SurfaceGap& gap = report.surface_to_mesh;
+  std::ostringstream text;
+  text << "parts of the surface are missing from the mesh: the surface is up to " << rounded(gap.largest)
+       << " m from it, at (" << rounded(gap.place.x()) << ", " << rounded(gap.place.y()) << ", "
+       << rounded(gap.place.z()) << ") m; edges of " << rounded(report.keeping_edge)
+       << " m would keep them (--edge " << rounded(report.keeping_edge)
+       << ", or --keep-thin for such edges only there)";
+  return text.str();
+}
+
 TetMesh mesh_model(const Model& model, const MeshOptions& options, MeshReport& report) {
   report = {};
   MeshOptions chosen = options;
-  if (options.edge == 0) chosen.edge = box_diagonal(joined_surface(model.surfaces)) / 25;
+  if (options.edge == 0) {
+    chosen.edge = box_diagonal(joined_surface(model.surfaces)) / 25;
+    chosen.keep_thin = true;
+  }
+  std::vector<std::string> notes;
+  if (options.mesher == Mesher::cgal && chosen.edge > 0) shorten_for_small_labels(model, chosen, notes);
   check_options(chosen, model);
   report.edge = chosen.edge;
   TetMesh mesh = Tries(model, chosen, report).best();
   if (model.is_image()) warn_of_pinches(mesh, report);
   for (int& label : mesh.labels) label = model.labels[label];
+  report.warnings.insert(report.warnings.begin(), notes.begin(), notes.end());
   report.warnings.insert(report.warnings.begin(), model.warnings.begin(), model.warnings.end());
+  if (report.keeping_edge > 0) report.warnings.push_back(words_of_gap(report));
   if (!report.passes()) {
     report.warnings.push_back(
         "the mesh is below the gate (every label, smallest dihedral angle 15°, altitude 0.1 of the edge, "
-        "dt* 0.5): try another --edge, --feature-angle 180 (keeps no edge sharp), or smooth the surface "
+        "dt* 0.5, one edge between surface and mesh): try another --edge, --feature-angle 180 (keeps no edge "
+        "sharp), or smooth the surface "
         "there");
   }
   return mesh;

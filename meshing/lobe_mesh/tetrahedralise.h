@@ -33,6 +33,9 @@ struct MeshOptions {
   std::map<int, double> label_edges = {};  // [m] of single labels, in place of `edge` (cgal only)
   std::vector<SizeBall> balls = {};        // (cgal only)
   double growth = 0.3;                     // of the edge per distance, where it changes
+  // Whether edges are shorter along parts of the surface that a mesh would lose (cgal only). With `edge` 0
+  // they are in any case.
+  bool keep_thin = false;
   Mesher mesher = Mesher::cgal;
 
   double smoothing = 1;  // [voxels] of a label image's staircase: width of the Gaussian, see label_grid.h
@@ -54,6 +57,7 @@ struct QualityGate {
   double min_dihedral = 15;              // [degrees]
   double smallest_altitude_ratio = 0.1;  // to the longest edge of its tetrahedron
   double time_step_star = 0.5;
+  double gap = 1;  // largest distance between surface and mesh, in the longest edge asked for
 };
 constexpr QualityGate quality_gate;
 constexpr int second_tries = 4;  // at most, after `tries`
@@ -79,10 +83,17 @@ struct Bottleneck {
   bool on_boundary = false;
 };
 
+// Distances of one surface from another, weighted by area.
+struct SurfaceGap {
+  double mean = 0, percentile_95 = 0, largest = 0;  // [m]
+  Vec3d place = Vec3d::Zero();                      // of the largest [m]
+};
+
 struct MeshReport {
   Mesher mesher = Mesher::cgal;  // of the mesh that was kept
   double edge = 0;               // [m] as asked for, or chosen
   double shortest_edge = 0;      // [m] asked for anywhere
+  double longest_edge = 0;       // [m] asked for in any label
   double mean_edge = 0;          // [m] of the regular tetrahedron of mean volume
   Index vertices = 0;
   Index tets = 0;
@@ -94,6 +105,9 @@ struct MeshReport {
   // time_step × wave speed / mean_edge (/ shortest_edge, if edges differ): independent of size and material.
   double time_step_star = 0;
   Bottleneck bottleneck;
+  // Of the input's surfaces (of an image: between smoothed labels) and the mesh's boundary and interfaces.
+  SurfaceGap surface_to_mesh, mesh_to_surface;
+  double keeping_edge = 0;  // [m] that would keep parts of the surface that the mesh lost; 0: it lost none
   struct Part {
     int label = 0;
     Index tets = 0;
@@ -106,6 +120,8 @@ struct MeshReport {
   std::vector<std::string> warnings;
 
   Index missing_labels() const;  // without a tetrahedron
+  double largest_gap() const;    // [m] either way
+  bool has_good_shapes() const;  // what the gate says of angles, altitudes and time step
   bool passes() const;           // the gate, with every label
 };
 

@@ -1,6 +1,7 @@
 // This file is part of lobe's meshing folder: GPL-3.0-or-later, see meshing/LICENSE.
 //
-// lobe-mesh: from surface models to tetrahedra. Exit status: 0 done, 1 a mesher gave up, 2 bad input.
+// lobe-mesh: from surface models to tetrahedra. Exit status: 0 done, 1 a mesher gave up or the mesh lacks a
+// label, 2 bad input.
 #include <unistd.h>
 
 #include <cmath>
@@ -29,6 +30,12 @@ using namespace lobe::meshing;
 
 void warn(const std::string& message) {
   std::cerr << line_eraser() << "lobe-mesh: warning: " << message << "\n";
+}
+
+void print_errors(const std::string& text) {
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);)
+    std::cerr << line_eraser() << "lobe-mesh: error: " << line << "\n";
 }
 
 void say(const Options& o, const std::string& text) {
@@ -129,6 +136,10 @@ int run(const Options& o) {
   write_mesh(o.output, mesh);
   write_report(o, in_json(inputs, o.output, o.mesh, report));
   say(o, in_words(report));
+  if (report.missing_labels() > 0) {
+    print_errors("the mesh lacks a label of the input: choose a shorter edge for it, as the warning says");
+    return 1;
+  }
   return o.picture.empty() ? 0 : draw(o, mesh, report);
 }
 
@@ -143,12 +154,6 @@ void limit_time(double seconds) {
     _exit(1);
   });
   if (seconds > 0 && seconds < 1e7) alarm(static_cast<unsigned>(std::ceil(seconds)) + 3);
-}
-
-void print_errors(const std::string& text) {
-  std::istringstream lines(text);
-  for (std::string line; std::getline(lines, line);)
-    std::cerr << line_eraser() << "lobe-mesh: error: " << line << "\n";
 }
 
 // Every error becomes one line and an exit status.

@@ -169,6 +169,8 @@ void declare_options(CLI::App& app, Options& o) {
                  "mesh (.vtu) whose point array `edge` asks for shorter edges [m]; can be repeated");
   app.add_option("--growth", o.mesh.growth, "of the edge per distance, where it changes")
       ->capture_default_str();
+  app.add_flag("--keep-thin", o.mesh.keep_thin,
+               "shorter edges along thin parts that the mesh would lose; always without --edge");
   app.add_option("--scale", o.scale, "factor on the coordinates, 0.001 for millimetres")
       ->capture_default_str();
   app.add_option("--smoothing", o.mesh.smoothing,

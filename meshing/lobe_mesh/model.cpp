@@ -37,8 +37,8 @@ void refuse_intersections(const std::vector<Surface>& surfaces) {
   throw InputError("surfaces " + std::to_string(a) + " and " + std::to_string(b),
                    "touch or intersect near (" + std::to_string(p.x()) + ", " + std::to_string(p.y()) + ", " +
                        std::to_string(p.z()) +
-                       ") m: one must lie inside the other or apart from it; parts that share a wall are "
-                       "meshed from a label image");
+                       ") m: one must lie inside the other or apart from it; --voxels EDGE meshes surfaces "
+                       "that share walls or overlap");
 }
 
 int find_parent(const std::vector<Surface>& surfaces, std::size_t k) {

@@ -17,6 +17,7 @@
 #include "lobe_mesh/diagnose.h"
 #include "lobe_mesh/errors.h"
 #include "lobe_mesh/measure.h"
+#include "lobe_mesh/mesh_model.h"
 #include "lobe_mesh/relax.h"
 #include "lobe_mesh/sizing.h"
 #include "lobe_mesh/steps.h"
@@ -394,6 +395,8 @@ std::string words_of_gap(const MeshReport& report) {
   return text.str();
 }
 
+}  // namespace
+
 TetMesh mesh_model(const Model& model, const MeshOptions& options, MeshReport& report) {
   report = {};
   MeshOptions chosen = options;
@@ -420,8 +423,6 @@ TetMesh mesh_model(const Model& model, const MeshOptions& options, MeshReport& r
   }
   return mesh;
 }
-
-}  // namespace
 
 TetMesh tetrahedralise(const std::vector<Surface>& surfaces, const MeshOptions& options, MeshReport& report) {
   return mesh_model(make_model(surfaces), options, report);

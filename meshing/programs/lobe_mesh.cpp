@@ -4,6 +4,7 @@
 // label, 2 bad input.
 #include <unistd.h>
 
+#include <algorithm>
 #include <cmath>
 #include <csignal>
 #include <filesystem>
@@ -20,6 +21,7 @@
 #include "lobe_mesh/errors.h"
 #include "lobe_mesh/picture.h"
 #include "lobe_mesh/report_json.h"
+#include "lobe_mesh/voxels.h"
 #include "mesh_options.h"
 #include "progress_line.h"
 
@@ -42,8 +44,10 @@ void say(const Options& o, const std::string& text) {
   if (!o.quiet) std::cerr << line_eraser() << text;
 }
 
+constexpr double largest_organ = 2;  // [m] across
+
 void warn_of_size(double diagonal) {
-  if (diagonal > 2)
+  if (diagonal > largest_organ)
     warn("the body is " + rounded(diagonal) + " m large: if the file is in millimetres, use --scale 0.001");
 }
 
@@ -60,6 +64,22 @@ RepairReport repair(const std::string& file, const Options& o, Surface& surface)
   for (const std::string& warning : result.warnings) warn(warning);
   warn_of_size(box_diagonal(surface));
   return result;
+}
+
+// What --find-units makes of the size of the input: reads it once more.
+double found_scale(const Options& o) {
+  double diagonal = 0;
+  if (o.is_image()) {
+    const LabelImage image = read_label_image(o.surfaces.front());
+    const Vec3d voxels(image.size[0], image.size[1], image.size[2]);
+    diagonal = (image.to_world.leftCols<3>() * voxels).norm();
+  } else {
+    for (const std::string& file : o.surfaces)
+      diagonal = std::max(diagonal, box_diagonal(read_surface(file)));
+  }
+  if (!(diagonal > largest_organ)) return 1;
+  warn("the body is " + rounded(diagonal) + " m large: it is taken to be in millimetres (--scale 1 if not)");
+  return 0.001;
 }
 
 Surface scaled_surface(const std::string& file, const Options& o) {
@@ -102,6 +122,12 @@ int repair_only(const Options& o) {
   return 0;
 }
 
+TetMesh mesh_surfaces(const Options& o, std::vector<InputFile>& inputs, MeshReport& report) {
+  const std::vector<Surface> surfaces = repaired_surfaces(o, inputs);
+  return o.voxels > 0 ? tetrahedralise_voxels(surfaces, o.voxels, o.mesh, report)
+                      : tetrahedralise(surfaces, o.mesh, report);
+}
+
 TetMesh mesh_image(const Options& o, std::vector<InputFile>& inputs, MeshReport& report) {
   const std::string& file = o.surfaces.front();
   LabelImage image = read_label_image(file);
@@ -125,13 +151,14 @@ int draw(const Options& o, const TetMesh& mesh, const MeshReport& report) {
   return 1;
 }
 
-int run(const Options& o) {
+int run(const Options& given) {
+  Options o = given;
+  if (o.find_units) o.scale = found_scale(o);
   if (o.diagnose) return print_diagnosis(o, scaled_surface(o.surfaces.front(), o));
   if (o.output.empty()) return repair_only(o);
   std::vector<InputFile> inputs;
   MeshReport report;
-  const TetMesh mesh = o.is_image() ? mesh_image(o, inputs, report)
-                                    : tetrahedralise(repaired_surfaces(o, inputs), o.mesh, report);
+  const TetMesh mesh = o.is_image() ? mesh_image(o, inputs, report) : mesh_surfaces(o, inputs, report);
   for (const std::string& warning : report.warnings) warn(warning);
   write_mesh(o.output, mesh);
   write_report(o, in_json(inputs, o.output, o.mesh, report));

@@ -29,9 +29,10 @@ void check_image(const CLI::App& app, const Options& o, std::vector<Fault>& faul
   const auto only_for = [&](bool wrong, const std::string& option, const std::string& input) {
     if (wrong && app.count(option) > 0) faults.push_back({option, "belongs to " + input});
   };
-  only_for(!o.is_image(), "--smoothing", "a label image");
+  only_for(!o.is_image() && o.voxels == 0, "--smoothing", "a label image, or to --voxels");
+  only_for(o.voxels > 0, "--feature-angle", "surfaces without --voxels");
   for (const char* option : {"--diagnose", "--repair", "--repaired", "--largest-hole", "--wrap-alpha",
-                             "--wrap-offset", "--feature-angle"})
+                             "--wrap-offset", "--feature-angle", "--voxels"})
     only_for(o.is_image(), option, "surfaces, not to a label image");
   const auto images = std::count_if(o.surfaces.begin(), o.surfaces.end(), is_label_image);
   if (images > 0 && o.surfaces.size() > 1)
@@ -82,6 +83,7 @@ void check(const CLI::App& app, const Options& o) {
   };
   positive("--edge", o.mesh.edge);
   positive("--scale", o.scale);
+  positive("--voxels", o.voxels);
   positive("--largest-hole", o.repair.largest_hole);
   positive("--wrap-alpha", o.repair.wrap_alpha);
   positive("--wrap-offset", o.repair.wrap_offset);
@@ -171,8 +173,13 @@ void declare_options(CLI::App& app, Options& o) {
       ->capture_default_str();
   app.add_flag("--keep-thin", o.mesh.keep_thin,
                "shorter edges along thin parts that the mesh would lose; always without --edge");
-  app.add_option("--scale", o.scale, "factor on the coordinates, 0.001 for millimetres")
-      ->capture_default_str();
+  CLI::Option* scale = app.add_option("--scale", o.scale, "factor on the coordinates, 0.001 for millimetres")
+                           ->capture_default_str();
+  app.add_flag("--find-units", o.find_units, "take a body of more than 2 m to be in millimetres")
+      ->excludes(scale);
+  app.add_option("--voxels", o.voxels,
+                 "edge of voxels that the surfaces are turned into first [m]: they may share walls and "
+                 "overlap, the later one wins");
   app.add_option("--smoothing", o.mesh.smoothing,
                  "of the steps between a label image's voxels [voxels], 0: none")
       ->capture_default_str();

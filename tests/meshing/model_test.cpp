@@ -71,7 +71,7 @@ TEST_CASE("a point gets the label of the innermost surface around it, in any ord
 TEST_CASE("surfaces that touch or intersect are refused with their numbers and the place") {
   const std::string message = input_error([&] { make_model({organ, tumour, moved(organ, {0.04, 0, 0})}); });
   CHECK(contains(message, "surfaces 0 and 2"));
-  CHECK(contains(message, "label image"));
+  CHECK(contains(message, "--voxels EDGE"));
 }
 
 TEST_CASE("nested surfaces become labels whose interfaces conform") {

@@ -1,0 +1,64 @@
+// Surfaces that share walls or overlap, by way of voxels.
+#include "lobe_mesh/voxels.h"
+
+#include <algorithm>
+#include <numbers>
+
+#include "lobe/mesh/quality.h"
+#include "lobe_mesh/volumes.h"
+#include "meshing/shapes.h"
+#include "near.h"
+
+using namespace lobe;
+using namespace lobe::meshing;
+using test::near;
+
+namespace {
+
+Surface block(const Vec3d& low, const Vec3d& high) {
+  Surface surface = make_cube(1);
+  surface.points = ((high - low).asDiagonal() * surface.points).colwise() + low;
+  return surface;
+}
+
+std::ptrdiff_t count_of(const LabelImage& image, std::int32_t value) {
+  return std::count(image.values.begin(), image.values.end(), value);
+}
+
+}  // namespace
+
+TEST_CASE("a voxel has the number of the last surface around its centre") {
+  const Surface hollow = joined(make_cube(0.02), inverted(moved(make_cube(0.01), {0.005, 0.005, 0.005})));
+  CHECK(count_of(voxelise({hollow}, 0.001), 1) == 20 * 20 * 20 - 10 * 10 * 10);
+  const Surface lower = block({0, 0, 0}, {0.02, 0.02, 0.01}),
+                upper = block({0, 0, 0.01}, {0.02, 0.02, 0.016}),
+                rod = block({0.008, 0.008, -0.004}, {0.012, 0.012, 0.02});
+  const LabelImage image = voxelise({lower, upper, rod}, 0.001);
+  CHECK(count_of(image, 1) == 20 * 20 * 10 - 4 * 4 * 10);
+  CHECK(count_of(image, 2) == 20 * 20 * 6 - 4 * 4 * 6);
+  CHECK(count_of(image, 3) == 4 * 4 * 24);
+  const LabelImage ball = voxelise({make_sphere(0.01, 4)}, 0.0005);
+  CHECK(1.25e-10 * double(count_of(ball, 1)) == near(4e-6 * std::numbers::pi / 3, 0.01));
+}
+
+TEST_CASE("surfaces that share a wall become labels that conform, with their volumes") {
+  MeshReport report;
+  const std::vector<Surface> parts = {block({0, 0, 0}, {0.03, 0.024, 0.009}),
+                                      block({0, 0, 0.009}, {0.03, 0.024, 0.015})};
+  CHECK(contains(input_error([&] { tetrahedralise(parts, {.edge = 0.004}, report); }), "--voxels EDGE"));
+  const TetMesh mesh = tetrahedralise_voxels(parts, 0.001, {.edge = 0.004}, report);
+  check_faces(mesh);
+  const std::vector<double> volumes = label_volumes(mesh, 2);
+  CHECK(volumes[0] == near(0.03 * 0.024 * 0.009, 0.02));
+  CHECK(volumes[1] == near(0.03 * 0.024 * 0.006, 0.02));
+  CHECK(report.parts[1].label == 1);
+}
+
+TEST_CASE("voxels that make no sense are refused") {
+  MeshReport report;
+  const std::vector<Surface> twice = {make_cube(0.02), make_cube(0.02)};
+  CHECK(contains(input_error([&] { tetrahedralise_voxels(twice, 0.002, {.edge = 0.005}, report); }),
+                 "surface 0: has no voxel of 0.002 m of its own"));
+  CHECK(contains(input_error([&] { voxelise(twice, 0); }), "must be a positive number"));
+  CHECK(contains(input_error([&] { voxelise(twice, 1e-6); }), "more than half a billion voxels"));
+}

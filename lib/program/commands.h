@@ -63,6 +63,17 @@ struct ConvertOptions {
 };
 int convert(const ConvertOptions& options);
 
+struct MakeSceneOptions {
+  std::filesystem::path file;    // a mesh, a surface or a label image
+  std::filesystem::path output;  // the scene; empty: named after the file, in the working folder
+  double scale = 0;              // from the file's coordinates to metres; 0: by its size
+  double edge = 0;               // of tetrahedra that a surface is filled with [m]; 0: lobe-mesh chooses
+  std::string tissue = "liver";
+  std::string hold;  // one of names_of_sides(); empty: the broadest side
+};
+std::vector<std::string> names_of_sides();
+int make_scene(const MakeSceneOptions& options);
+
 struct TissuesOptions {
   bool json = false;
 };

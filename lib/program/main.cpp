@@ -1,7 +1,9 @@
 // The command `lobe`: docs/commands.md lists its commands and their options.
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cstdio>
 #include <exception>
+#include <filesystem>
 #include <functional>
 #include <optional>
 #include <string>
@@ -30,6 +32,51 @@ int forward(const std::string& program, char** first, char** last, const std::st
   return bad_input;
 }
 
+void add_make_scene_options(CLI::App& command, MakeSceneOptions& options) {
+  command.add_option("FILE", options.file, "a mesh, a surface, or a label image")->required();
+  command
+      .add_option("--scale", options.scale,
+                  "what coordinates are multiplied by, 0.001 for millimetres; default: by the size")
+      ->check(CLI::Range(1e-9, 1e9));
+  command.add_option("--edge", options.edge, "edge of the tetrahedra that a surface is filled with [m]")
+      ->check(CLI::PositiveNumber);
+  command.add_option("--tissue", options.tissue, "of all of it; lobe tissues lists them")
+      ->capture_default_str();
+  command.add_option("--hold", options.hold, "side that is held; default: the broadest one")
+      ->check(CLI::IsMember(names_of_sides()));
+}
+
+bool is_scene(const std::string& file) { return std::filesystem::path(file).extension() == ".json"; }
+
+// lobe view FILE of what is no scene: a scene is made for it, once, and then shown.
+int make_and_view(int argc, char** argv) {
+  CLI::App app("Makes a scene for FILE and shows it; takes the options of lobe view SCENE, too", "lobe view");
+  MakeSceneOptions options;
+  add_make_scene_options(app, options);
+  app.allow_extras();
+  try {
+    app.parse(argc - 1, argv + 1);
+    options.output = options.file.filename().replace_extension(".json");
+    const bool asks =
+        app.count("--scale") + app.count("--edge") + app.count("--tissue") + app.count("--hold") > 0;
+    if (!asks && std::filesystem::exists(options.output))
+      std::printf("%s was made before; remove it, or give --tissue, --hold, --scale or --edge, for another\n",
+                  options.output.string().c_str());
+    else
+      make_scene(options);
+  } catch (const CLI::Success& help) {
+    return app.exit(help);
+  } catch (const std::exception& error) {
+    print_errors(error.what());
+    return bad_input;
+  }
+  std::vector<std::string> words{options.output.string()};
+  for (const std::string& word : app.remaining()) words.push_back(word);
+  std::vector<char*> arguments;
+  for (std::string& word : words) arguments.push_back(word.data());
+  return forward("lobe-view", arguments.data(), arguments.data() + arguments.size(), "LOBE_VIEW");
+}
+
 // lobe-petsc has options of its own, so that it reads all of them.
 bool is_for_petsc(int argc, char** argv) {
   if (argc < 2 || std::string_view(argv[1]) != "solve") return false;
@@ -46,6 +93,8 @@ std::optional<int> run_other_program(int argc, char** argv) {
   const std::string_view command = argc > 1 ? argv[1] : "";
   if (command == "mesh") return forward("lobe-mesh", argv + 2, argv + argc, "LOBE_MESHING");
   if (command == "bench") return forward("lobe-bench", argv + 2, argv + argc, "LOBE_BENCHMARKS");
+  if (command == "view" && argc > 2 && argv[2][0] != '-' && !is_scene(argv[2]))
+    return make_and_view(argc, argv);
   if (command == "view") return forward("lobe-view", argv + 2, argv + argc, "LOBE_VIEW");
   if (is_for_petsc(argc, argv)) return forward("lobe-petsc", argv + 1, argv + argc, "LOBE_PETSC");
   return {};
@@ -95,6 +144,14 @@ void add_convert(CLI::App& app, ConvertOptions& options, Action& action) {
       ->check(CLI::Range(1e-9, 1e9))
       ->capture_default_str();
   command->callback([&] { action = [&] { return convert(options); }; });
+}
+
+void add_scene(CLI::App& app, MakeSceneOptions& options, Action& action) {
+  CLI::App* command =
+      app.add_subcommand("scene", "Write a scene for a mesh or a surface: units, tissue, what is held");
+  add_make_scene_options(*command, options);
+  command->add_option("-o,--output", options.output, "scene to write (.json); default: named after FILE");
+  command->callback([&] { action = [&] { return make_scene(options); }; });
 }
 
 void add_tissues(CLI::App& app, TissuesOptions& options, Action& action) {
@@ -151,7 +208,7 @@ int main(int argc, char** argv) {
   SceneOptions options;
   app.add_subcommand("mesh", "From a surface to a mesh: runs lobe-mesh");
   app.add_subcommand("bench", "Measure speed, accuracy and correctness: runs lobe-bench");
-  app.add_subcommand("view", "Simulate an organ live, in a web page: runs lobe-view");
+  app.add_subcommand("view", "Simulate an organ live, in a web page: a scene, or a mesh or surface");
   add_info(app, info_options, action);
   CLI::App* check_command =
       add_scene_command(app, "check", "Validate a scene and print what will be run", options, action, check);
@@ -182,6 +239,8 @@ int main(int argc, char** argv) {
   add_refine(app, refine_options, action);
   ConvertOptions convert_options;
   add_convert(app, convert_options, action);
+  MakeSceneOptions make_scene_options;
+  add_scene(app, make_scene_options, action);
   TissuesOptions tissues_options;
   add_tissues(app, tissues_options, action);
   CLI::App* regions_command =

@@ -379,3 +379,18 @@ TEST_CASE("the table of quality has a line for every mesher, size and body") {
   CHECK(contains(table, "| b, 642 vertices | 500 | cgal |"));
   CHECK(!contains(table, "below the gate"));
 }
+
+TEST_CASE("lobe scene repairs and meshes a surface in millimetres, and writes a scene for it") {
+  const SurfaceFolder folder;
+  const Surface ball = scaled(inverted(make_sphere(1, 2)), 40);  // inside out
+  folder.write("ball.stl", ball);
+  const std::string command = "cd " + folder.path.string() + " && " + LOBE_BIN_DIR "/lobe ";
+  REQUIRE(std::system((command + "scene ball.stl -o organ.json --edge 0.02 >out 2>err").c_str()) == 0);
+  CHECK(contains(text_of(folder.path / "err"), "taken to be in millimetres"));
+  const auto scene = nlohmann::json::parse(text_of(folder.path / "organ.json"));
+  CHECK(scene["mesh"] == "organ.vtu");
+  CHECK_FALSE(scene.contains("mesh_scale"));
+  CHECK(total_volume(read_mesh(folder.path / "organ.vtu").mesh) == near(enclosed_volume(ball) * -1e-9, 0.02));
+  CHECK(std::system((command + "check organ.json >out 2>err").c_str()) == 0);
+  CHECK_FALSE(contains(text_of(folder.path / "out"), "warning"));
+}

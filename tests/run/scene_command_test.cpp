@@ -1,0 +1,109 @@
+// lobe scene, lobe view of what is no scene, and lobe tissues as their callers use them.
+#include <doctest/doctest.h>
+
+#include "lobe/mesh/generators.h"
+#include "lobe/scene/tissues.h"
+#include "lobe_command.h"
+#include "near.h"
+#include "run/small_scene.h"
+
+using namespace lobe;
+using namespace lobe::test;
+
+namespace {
+
+bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+// A plate of 80 × 40 × 10 mm, its lower half label 0 and its upper half label 1, in millimetres.
+void write_plate(const Folder& folder) {
+  TetMesh mesh = box_mesh({0.08, 0.04, 0.01}, 8, 4, 2);
+  for (Index t = 0; t < mesh.tet_count(); ++t)
+    mesh.labels[std::size_t(t)] = barycentre(mesh, t).z() < 0.005 ? 0 : 1;
+  mesh.points *= 1000;
+  write_vtu(folder.path / "plate.vtu", mesh);
+}
+
+}  // namespace
+
+TEST_CASE("lobe scene proposes units, tissue, and the broadest side to hold, and says so") {
+  const Folder folder;
+  write_plate(folder);
+  const Ended ended = lobe_in(folder, "scene plate.vtu -o organ.json --tissue kidney");
+  REQUIRE_MESSAGE(ended.status == 0, ended.err);
+  CHECK(ended.err.empty());
+  CHECK(has(ended.out, "384 tetrahedra, 0.08 × 0.04 × 0.01 m"));
+  CHECK(has(ended.out, "units      millimetres"));
+  CHECK(has(ended.out, "material   kidney: E 5 kPa, nu 0.45, density 1050 kg/m³"));
+  CHECK(has(ended.out, "held       45 vertices at the side z-, the broadest one"));
+  const Json scene = Json::parse(bytes_of(folder.path / "organ.json"));
+  CHECK(scene["mesh"] == "plate.vtu");
+  CHECK(scene["mesh_scale"] == 0.001);
+  REQUIRE(scene["materials"].size() == 2);
+  CHECK(scene["materials"][1]["tissue"] == "kidney");
+  CHECK(scene["materials"][1]["where"]["label"] == 1);
+  CHECK(scene["guard_below"] == 0.2);
+  CHECK(scene["volume_penalty"].get<double>() == near(2 * 5000 / 0.3, 1e-3));  // twice the bulk modulus
+  const Ended check = lobe_in(folder, "check organ.json");
+  CHECK(check.status == 0);
+  CHECK(has(check.out, "held       45 vertices fixed"));
+  CHECK_FALSE(has(check.out, "warning"));
+}
+
+TEST_CASE("the side that is held and the scale can be chosen") {
+  const Folder folder;
+  write_plate(folder);
+  const Ended ended = lobe_in(folder, "scene plate.vtu --hold x+ --scale 0.002");
+  REQUIRE_MESSAGE(ended.status == 0, ended.err);
+  CHECK_FALSE(has(ended.out, "units"));
+  const Json scene = Json::parse(bytes_of(folder.path / "plate.json"));
+  CHECK(scene["mesh_scale"] == 0.002);
+  CHECK(scene["materials"][0]["tissue"] == "liver");
+  const Json plane = scene["boundary"][0]["where"]["plane"];
+  CHECK(plane["normal"] == Json({1.0, 0.0, 0.0}));
+  CHECK(plane["point"][0].get<double>() == near(0.95 * 0.16, 1e-9));
+  CHECK(has(ended.out, "held       15 vertices at the side x+ (--hold)"));
+}
+
+TEST_CASE("what lobe scene cannot do is refused before anything is written") {
+  const Folder folder;
+  write_plate(folder);
+  const Ended tissue = lobe_in(folder, "scene plate.vtu --tissue livr");
+  CHECK(tissue.status == 2);
+  CHECK(has(tissue.err, "--tissue: \"livr\" is none that lobe tissues lists; did you mean \"liver\"?"));
+  for (const char* wrong :
+       {"none.vtu", "plate.vtu -o organ.txt", "plate.vtu --hold up", "plate.vtu --scale 0"}) {
+    CAPTURE(wrong);
+    CHECK(lobe_in(folder, std::string("scene ") + wrong).status == 2);
+  }
+  folder.write("bad.vtu", "no mesh");
+  CHECK(lobe_in(folder, "scene bad.vtu").status == 2);
+  CHECK_FALSE(std::filesystem::exists(folder.path / "plate.json"));
+  CHECK_FALSE(std::filesystem::exists(folder.path / "bad.json"));
+}
+
+TEST_CASE("lobe view of a mesh makes its scene once, and again when it is asked to") {
+  const Folder folder;
+  write_plate(folder);
+  const std::string view = "view plate.vtu --port 99999";  // which lobe-view refuses
+  const Ended first = lobe_in(folder, view);
+  CHECK(first.status == 2);
+  CHECK(has(first.out, "written to plate.json"));
+  folder.write("plate.json", "{}");
+  CHECK(has(lobe_in(folder, view).out, "plate.json was made before"));
+  CHECK(bytes_of(folder.path / "plate.json") == "{}");
+  CHECK(has(lobe_in(folder, view + " --tissue spleen").out, "material   spleen"));
+  CHECK(has(bytes_of(folder.path / "plate.json"), "\"tissue\": \"spleen\""));
+}
+
+TEST_CASE("lobe tissues lists all of them with their sources") {
+  const Folder folder;
+  const Json list = Json::parse(lobe_in(folder, "tissues --json").out);
+  REQUIRE(list.size() == tissues().size());
+  const std::string text = lobe_in(folder, "tissues").out;
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    CHECK(list[i]["name"] == tissues()[i].name);
+    CHECK(list[i]["young_modulus_Pa"] == tissues()[i].young_modulus);
+    CHECK(list[i]["standard_deviation_Pa"].is_null() == (tissues()[i].spread == 0));
+    CHECK(has(text, std::string(tissues()[i].source)));
+  }
+}

@@ -1,99 +1,44 @@
 // Compiled once per instruction set, LOBE_KERNELS, which is the namespace that everything here is in.
 #include "lobe/region/smoothed_kernels.h"
 
-#include "lobe/numerics/simd.h"
+#include "lobe/region/domain_lanes.h"
 
 namespace lobe::LOBE_KERNELS {
 namespace {
 
-// The data of as many domains of a block as one register holds.
-template <class T>  // a pack
-class DomainLanes {
- public:
-  using Real = typename T::value_type;
-  static constexpr int count = static_cast<int>(T::size());
-
-  DomainLanes(const SmoothedArrays<Real>& patch, Index block, int first)
-      : V(&patch.blocks[block].V[first]),
-        vertices(patch.blocks[block].vertices),
-        rows_(patch.gradients + patch.blocks[block].first),
-        numbers_(patch.numbers + patch.blocks[block].first + block),
-        first_(first) {
-    H = Mat3<T>::Constant(T(0));
-    const Real* u = &patch.u->xyz0[0];
-    const Vec3<T> origin = PaddedVectors<T>::load(u, &numbers_[0][first]);
-    for (Index j = 1; j < vertices; ++j) {
-      const Vec3<T> d = PaddedVectors<T>::load(u, &numbers_[j][first]) - origin, b = gradient(j);
-      for (int c = 0; c < 3; ++c)
-        for (int r = 0; r < 3; ++r) H(r, c) += d[r] * b[c];
-    }
-  }
-
-  Vec3<T> gradient(Index vertex) const {  // of any but the first
-    Vec3<T> b;
-    for (int i = 0; i < 3; ++i) b[i].copy_from(&rows_[vertex - 1].b[i][first_]);
-    return b;
-  }
-  Vec3<T> first_gradient() const {
-    Vec3<T> sum = Vec3<T>::Constant(T(0));
-    for (Index j = 1; j < vertices; ++j) sum -= gradient(j);
-    return sum;
-  }
-  Index number(Index vertex, int lane) const { return numbers_[vertex][first_ + lane]; }
-
-  T V;
-  Index vertices;  // the most of a lane
-  Mat3<T> H;       // ∇u
-
- private:
-  const GradientRow<Real>* rows_;
-  const NumberRow<Real>* numbers_;
-  int first_;
-};
-
-// Vectors of the vertices of some domains. They are added domain by domain, so that the order of the sums,
-// and so their bits, does not depend on the width.
+// Vectors of the vertices of a block of domains. They are added block by block, vertex by vertex, so that the
+// order of the sums, and so their bits, does not depend on the width of registers.
 template <class T>
 class DomainVectors {
  public:
   using Real = typename T::value_type;
   using Vectors = PaddedVectors<T>;
+  static constexpr int width = SmoothedBlock<Real>::width;
 
-  void set(Index vertex, const Vec3<T>& vectors) { Vectors::store(vectors, vectors_[vertex]); }
-  void add_to(Real* sums, const DomainLanes<T>& domains) const {
-    using Four [[gnu::vector_size(4 * sizeof(Real))]] = Real;
-    for (int lane = 0; lane < Vectors::count; ++lane)
-      for (Index j = 0; j < domains.vertices; ++j) {
-        Four sum, vector;
-        Real* place = sums + 4 * domains.number(j, lane);
-        std::memcpy(&sum, place, sizeof sum);
-        std::memcpy(&vector, vectors_[j] + Vectors::offset(lane), sizeof vector);
-        sum += vector;
-        std::memcpy(place, &sum, sizeof sum);
-      }
+  void set(Index vertex, int first, const Vec3<T>& vectors) {
+    Vectors::store(vectors, vectors_[vertex] + 4 * first);
+  }
+  void add_to(Real* sums, const SmoothedArrays<Real>& patch, Index block) const {
+    const auto* numbers = patch.numbers + patch.blocks[block].first + block;
+    for (Index j = 0; j < patch.blocks[block].vertices; ++j) add_row(sums, numbers[j], vectors_[j]);
   }
 
  private:
-  alignas(64) Real vectors_[256][4 * Vectors::count];  // one byte numbers a vertex
-};
-
-// The law of each lane at the pressure of its nodes, with its fibre.
-template <Terms terms, class Real, class T = Pack<Real>>
-Law<T> law_of(const SmoothedArrays<Real>& patch, Index block, int first) {
-  Law<T> law = patch.law.template as<T>();
-  if constexpr (terms.pressure) {
-    law.pressure = T(0);
-    if (patch.node_rows) {
-      const auto& nodes = patch.node_rows[block].nodes;
-      law.pressure = (T([&](auto lane) { return patch.pressure[nodes[0][first + lane]]; }) +
-                      T([&](auto lane) { return patch.pressure[nodes[1][first + lane]]; })) *
-                     Real(0.5f);
-    }
+  static void add_row(Real* sums, const NumberRow<Real>& numbers, const Real* vectors) {
+    using Four [[gnu::vector_size(4 * sizeof(Real))]] = Real;
+    unrolled<width>([&](int lane) {
+      Four sum, vector;
+      Real* place = sums + 4 * numbers[lane];
+      constexpr int count = Vectors::count;
+      std::memcpy(&sum, place, sizeof sum);
+      std::memcpy(&vector, vectors + lane / count * 4 * count + Vectors::offset(lane % count), sizeof vector);
+      sum += vector;
+      std::memcpy(place, &sum, sizeof sum);
+    });
   }
-  if constexpr (terms.fibre)
-    for (int i = 0; i < 3; ++i) law.direction[i].copy_from(&patch.fibre_blocks[block].direction[i][first]);
-  return law;
-}
+
+  alignas(64) Real vectors_[256][4 * width];  // one byte numbers a vertex
+};
 
 // The kernels are flattened (LOBE_FLATTEN): all formulas inline, however often they are used elsewhere.
 template <class Real, Terms terms>
@@ -101,21 +46,21 @@ LOBE_FLATTEN void add_forces_of(const SmoothedArrays<Real>& patch, Real* sums) {
   using T = Pack<Real>;
   using Lanes = DomainLanes<T>;
   DomainVectors<T> forces;
-  for (Index b = 0; b < patch.block_count; ++b)
+  for (Index b = 0; b < patch.block_count; ++b) {
     for (int first = 0; first < SmoothedBlock<Real>::width; first += Lanes::count) {
-      Law<T> law = law_of<terms>(patch, b, first);
+      const Law<T> law = law_of_domains<T>(patch, terms, b, first);
       const Lanes e(patch, b, first);
-      law.terms = terms;
-      const Mat3<T> VP = law_stress(law.times(e.V), e.H);
+      const Mat3<T> minus_VP = law_stress(law.times(-e.V), e.H);
       Vec3<T> of_first = Vec3<T>::Constant(T(0));
       for (Index j = 1; j < e.vertices; ++j) {
-        const Vec3<T> f = VP.lazyProduct(e.gradient(j));
-        of_first += f;
-        forces.set(j, -f);
+        const Vec3<T> f = minus_VP.lazyProduct(e.gradient(j));
+        of_first -= f;
+        forces.set(j, first, f);
       }
-      forces.set(0, of_first);
-      forces.add_to(sums, e);
+      forces.set(0, first, of_first);
     }
+    forces.add_to(sums, patch, b);
+  }
 }
 
 template <class Real>
@@ -141,19 +86,19 @@ LOBE_FLATTEN void add_stiffness_of(const SmoothedArrays<Real>& patch, Real* sums
   using T = Pack<Real>;
   using Lanes = DomainLanes<T>;
   DomainVectors<T> entries;
-  for (Index b = 0; b < patch.block_count; ++b)
+  for (Index b = 0; b < patch.block_count; ++b) {
     for (int first = 0; first < SmoothedBlock<Real>::width; first += Lanes::count) {
-      Law<T> law = law_of<terms>(patch, b, first);
+      const Law<T> law = law_of_domains<T>(patch, terms, b, first);
       const Lanes e(patch, b, first);
-      law.terms = terms;
       Vec3<T> gradient = e.first_gradient();
       for (Index j = 0; j < e.vertices; ++j) {
         if (j > 0) gradient = e.gradient(j);
         const Mat3<T> K = law_diagonal_block(law, e.H, gradient);
-        entries.set(j, entries_of<part, T>(K) * e.V);
+        entries.set(j, first, entries_of<part, T>(K) * e.V);
       }
-      entries.add_to(sums, e);
     }
+    entries.add_to(sums, patch, b);
+  }
 }
 
 // Whether a kernel for these terms evaluates the law: what the law does not have gets the modulus 0.

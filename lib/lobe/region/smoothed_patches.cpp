@@ -5,6 +5,7 @@
 
 #include "lobe/assert.h"
 #include "lobe/error.h"
+#include "lobe/region/domain_lanes.h"
 #include "lobe/sort_unique.h"
 
 namespace lobe {
@@ -153,18 +154,22 @@ void SmoothedPatches<Real>::add_forces(const Mat3X<Real>& u, Mat3X<Real>& f, Par
 
 template <class Real>
 double SmoothedPatches<Real>::energy(const Mat3X<Real>& u) {
+  using T = Pack<Real>;
   if (!any()) return 0;
   Parallel one_thread;
   if (nodal_pressure_) find_pressures(u, one_thread);
+  LocalVectors local;
   double sum = 0;
-  for (const Patch& patch : patches_)
-    for (Index e : patch.edges) {
-      const SmoothedEdge& edge = edges_[e];
-      Law<double> law = laws_[edge.material];
-      law.direction = edge.direction;
-      if (law.terms.pressure) law.pressure = pressures_.mean(pressure_, e);
-      sum += edge.volume * law_energy_density(law, displacement_gradient(edge, u));
+  for (Index p = 0; p < layout_.patch_count(); ++p) {
+    sums_.gather(layout_, p, u, local);
+    const SmoothedArrays<Real> patch = arrays(p, local);
+    for (Index i = 0; i < layout_.patch(p).items; i += DomainLanes<T>::count) {
+      const Index block = i / Block::width, first = i % Block::width;
+      const DomainLanes<T> e(patch, block, first);
+      const T W = e.V * law_energy_density(law_of_domains<T>(patch, patch.law.terms, block, first), e.H);
+      for (int lane = 0; lane < DomainLanes<T>::count; ++lane) sum += double(Real(W[lane]));  // 0 if empty
     }
+  }
   return sum;
 }
 

@@ -10,7 +10,8 @@ namespace lobe {
 template <class Real>
 void Patches<Real>::follow(const Elements& elements, const std::vector<Index>& leave,
                            const std::vector<Index>& enter, RegionModel model) {
-  nodal_pressure_ = any_nodal_pressure(elements.materials);
+  nodal_pressure_ = std::any_of(elements.materials.begin(), elements.materials.end(),
+                                [](const Elastic& e) { return e.nodal_lambda() > 0 && !e.is_smoothed(); });
   fibres_ = any_fibre(elements.materials);
   laws_.clear();
   for (const Elastic& elastic : elements.materials) {

@@ -11,6 +11,7 @@ namespace lobe {
 // A patch takes the first entry that covers its law.
 inline constexpr Terms compiled_terms[] = {{.svk = true},
                                            {.svk = true, .volume = true},
+                                           {.svk = false},
                                            {.svk = false, .volume = true},
                                            {.svk = true, .pressure = true},
                                            {.svk = true, .fibre = true},

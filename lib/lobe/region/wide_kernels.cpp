@@ -54,6 +54,7 @@ template <class Real, Terms terms, Guarding guarding>
 LOBE_FLATTEN Real add_forces_of(const PatchArrays<Real>& patch, Real* sums) {
   using T = Pack<Real>;
   using Lanes = ElementLanes<T>;
+  constexpr bool any_force = !(terms == Terms{.svk = false}) || guarding == Guarding::acting;
   T smallest = 1;
   for (Index b = 0; b < patch.block_count; ++b) {
     prefetch(patch.blocks + b);
@@ -61,8 +62,9 @@ LOBE_FLATTEN Real add_forces_of(const PatchArrays<Real>& patch, Real* sums) {
       Law<T> law = law_of<terms>(patch, b, first);
       const Lanes e(patch.blocks[b], first, patch.u);
       law.terms = with_guard(terms, guarding == Guarding::acting);
-      const Mat3<T> VP = law_stress(law.times(e.V), e.H);
       if constexpr (guarding == Guarding::asked) smallest = min(smallest, volume_ratio(e.H));
+      if constexpr (!any_force) continue;
+      const Mat3<T> VP = law_stress(law.times(e.V), e.H);
       add_to_vertices<T>(corner_forces(VP, e.alpha), patch.blocks[b].corners, first, sums);
     }
   }

@@ -77,22 +77,39 @@ void EdgePressures::update(const SmoothedEdges& edges, Index node) {
 void EdgePressures::add_diagonal_stiffness(const SmoothedEdges& edges,
                                            const std::vector<Mat3<double>>& gradients,
                                            DiagonalStiffness& K) const {
+  struct Slope {
+    Vec3d of_strain;  // 2 ∂(½ V_e θ_e)/∂u [m²]
+    Index vertex;
+  };
+  std::vector<Slope> slopes;
+  std::vector<std::size_t> first{0};  // slope of each domain, then the end
+  for (Index e = 0; e < edges.count(); ++e) {
+    const SmoothedEdge& edge = edges[e];
+    for (std::size_t j = 0; j < edge.vertices.size() && nodes_[e][0] != none; ++j)
+      slopes.push_back(
+          {edge.volume * (edge.gradients[j] + gradients[e] * edge.gradients[j]), edge.vertices[j]});
+    first.push_back(slopes.size());
+  }
   Mat3X<double> g = Mat3X<double>::Zero(3, nodes_at_.vertex_count());  // 2 ∂(V_n θ_n)/∂u around one node
+  std::vector<char> is_around(std::size_t(nodes_at_.vertex_count()), 0);
+  std::vector<Index> around;
   for (Index n = 0; n < count(); ++n) {
     for (Index e : edges_of_[n])
-      for (std::size_t j = 0; j < edges[e].vertices.size(); ++j) {
-        const Vec3d& b = edges[e].gradients[j];
-        g.col(edges[e].vertices[j]) += edges[e].volume * (b + gradients[e] * b);
+      for (std::size_t i = first[e]; i < first[e + 1]; ++i) {
+        const Index v = slopes[i].vertex;
+        g.col(v) += slopes[i].of_strain;
+        if (!is_around[v]) around.push_back(v);
+        is_around[v] = 1;
       }
-    for (Index e : edges_of_[n])
-      for (Index v : edges[e].vertices) {
-        const Vec3d a = g.col(v);
-        if (a.isZero(0)) continue;
-        K.col(v) += scale_[n] / 2 *
-                    Eigen::Matrix<double, 6, 1>(a[0] * a[0], a[0] * a[1], a[0] * a[2], a[1] * a[1],
-                                                a[1] * a[2], a[2] * a[2]);
-        g.col(v).setZero();
-      }
+    for (Index v : around) {
+      const Vec3d a = g.col(v);
+      K.col(v) += scale_[n] / 2 *
+                  Eigen::Matrix<double, 6, 1>(a[0] * a[0], a[0] * a[1], a[0] * a[2], a[1] * a[1], a[1] * a[2],
+                                              a[2] * a[2]);
+      g.col(v).setZero();
+      is_around[v] = 0;
+    }
+    around.clear();
   }
 }
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "lobe/region/averages.h"
+#include "lobe/diagnostics/averaged_pressures.h"
 #include "lobe/region/energy_density.h"
 
 namespace lobe {
@@ -55,7 +55,7 @@ void write_frame(const std::filesystem::path& file, const Elements& elements, co
   DataArray strain{"strain", Eigen::MatrixXd(6, n), Type::float32},
       stress{"stress", Eigen::MatrixXd(6, n), Type::float32};
   DataArray von_mises{"von_mises", Eigen::MatrixXd(1, n), Type::float32};
-  const std::vector<double> pressures = tet_pressures(elements, Averages(elements), u);
+  const std::vector<double> pressures = averaged_pressures(elements, u);
   std::vector<Index> there;
   for (Index t = 0; t < topology.tet_count(); ++t)
     if (topology.alive(t)) there.push_back(t);

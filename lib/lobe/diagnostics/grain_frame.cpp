@@ -1,8 +1,8 @@
 #include "lobe/diagnostics/grain_frame.h"
 
+#include "lobe/diagnostics/averaged_pressures.h"
 #include "lobe/diagnostics/fields.h"
 #include "lobe/io/mesh_io.h"
-#include "lobe/region/averages.h"
 
 namespace lobe {
 namespace {
@@ -46,7 +46,7 @@ void write_grain_frame(const std::filesystem::path& file, const Elements& elemen
   for (Index p = 0; p < grains.point_count(); ++p) mesh.points.col(p) = grains.point(p);
   Eigen::MatrixXd moved = Eigen::MatrixXd::Zero(3, grains.point_count()), speeds = moved;
   Cells cells(n);
-  const std::vector<double> pressures = tet_pressures(elements, Averages(elements), u);
+  const std::vector<double> pressures = averaged_pressures(elements, u);
   for (Eigen::Index at = 0; at < n; ++at) {
     const Grains::Grain& grain = grains[there[std::size_t(at)]];
     const Index t = grain.element;

@@ -23,6 +23,8 @@ std::span<const Benchmark> all_benchmarks() {
       {"live", "what a session costs beside its frames; a replay of minutes of random hands", bench_live},
       {"haptic", "forces between frames against frames of 1 ms; how punctual a loop at 1 kHz is",
        bench_haptic, true},
+      {"elements", "error and cost of plain and edge-smoothed tetrahedra on the same mesh", bench_elements,
+       true},
       {"features", "what each option costs per step, on and off", bench_features},
       {"stress", "abuse that a body must survive, with a verdict each", bench_stress},
       {"huge", "static solutions of millions of tetrahedra in parts (lobe-petsc, MPI)", bench_huge},

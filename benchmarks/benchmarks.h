@@ -24,7 +24,8 @@ struct Options {
   double minutes = 10;       // soak: of wall time; live: simulated
   int frames = 1'000'000;    // soak: of each session
   std::vector<std::filesystem::path> scenes;  // accuracy, hybrid, realtime: in place of the shipped ones
-  // accuracy, hybrid, realtime: of the one scene, beside its own; haptic, scalpel: beside the shipped liver
+  // accuracy, hybrid, realtime: of the one scene, beside its own; elements, haptic, scalpel: beside the
+  // shipped liver
   std::vector<std::filesystem::path> meshes;
   std::filesystem::path refine;  // accuracy, of one scene: the mesh to refine; empty: the largest
 };
@@ -48,6 +49,7 @@ void bench_kernels(const Options& options);
 void bench_accuracy(const Options& options);
 void bench_validation(const Options& options);
 void bench_cut(const Options& options);
+void bench_elements(const Options& options);
 void bench_features(const Options& options);
 void bench_realtime(const Options& options);
 void bench_hybrid(const Options& options);

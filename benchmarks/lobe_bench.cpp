@@ -22,7 +22,8 @@ struct Arguments {
 void add_options(CLI::App& app, Arguments& arguments) {
   lobe::bench::Options& options = arguments.options;
   app.add_option("NAME", arguments.name,
-                 "which benchmark: kernels, cut, realtime, features, hybrid, accuracy, validation, surface, "
+                 "which benchmark: kernels, cut, realtime, features, elements, hybrid, accuracy, validation, "
+                 "surface, "
                  "skin, scalpel, contact, palpation, live, haptic, huge, stress or soak")
       ->required();
   app.add_option("-o,--output", options.output, "directory for the table and the plot")->required();
@@ -50,7 +51,7 @@ void add_options(CLI::App& app, Arguments& arguments) {
       ->allow_extra_args(false);
   app.add_option("--mesh", options.meshes,
                  "accuracy, hybrid, realtime: a further mesh of that scene; scalpel: a further organ; "
-                 "haptic: a further liver")
+                 "elements, haptic: a further liver")
       ->allow_extra_args(false);
   app.add_option("--refine", options.refine,
                  "accuracy: total errors are against this mesh of the scene, refined once, in place of the "

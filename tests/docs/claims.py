@@ -112,6 +112,23 @@ def table_haptic_fine():
                      "touched: rms %", "largest %", "largest jump %"], body)
 
 
+def table_elements():
+    elements = ["plain", "plain with nodal_pressure", "edge-smoothed", "edge-smoothed with nodal_pressure"]
+    found, body = rows("elements"), []
+    for name, tets in dict.fromkeys((row["body"], row["tets"]) for row in found):
+        of_body = [row for row in found if row["body"] == name]
+        for gesture in dict.fromkeys(row["gesture"] for row in of_body):
+            by = {row["element"]: row for row in of_body if row["gesture"] == gesture}
+            signed = gesture == "lowest frequency"
+            cells = [f"{100 * by[e]['error']:{'+' if signed else ''}.1f} %"
+                     + (f", {100 * by[e]['force_excess']:+.1f} %" if by[e]["force_excess"] else "") for e in elements]
+            body.append([name.split("_")[0], thousands(tets), gesture, *cells])
+        for column, what in (("step_ratio", "stable step"), ("time_ratio", "time per simulated second")):
+            cells = [f"{next(row[column] for row in of_body if row['element'] == e):.2f}" for e in elements]
+            body.append([name.split("_")[0], thousands(tets), what, *cells])
+    return markdown(["body", "tetrahedra", "", *elements], body)
+
+
 def table_huge():
     body = [[thousands(row["tets"]), thousands(row["ranks"]), f"{row['wall_s']:.1f} s",
              thousands(row["newton"]), thousands(row["linear"]), f"{row['peak_rank_bytes'] / 1e9:.2f} GB",
@@ -182,7 +199,7 @@ TABLES = {"reduced": table_reduced, "reduced-setup": table_reduced_setup, "frequ
           "meshing-quality": table_meshing_quality, "meshing-fuzz": table_meshing_fuzz,
           "blade": table_blade, "contact": table_contact, "haptic": table_haptic,
           "haptic_touch": lambda: table_haptic("touch"), "haptic_fine": table_haptic_fine, "palpation": table_palpation,
-          "huge": table_huge, "live": table_live, "realtime": table_realtime, "hybrid": table_hybrid,
+          "elements": table_elements, "huge": table_huge, "live": table_live, "realtime": table_realtime, "hybrid": table_hybrid,
           "gestures": table_gestures, "gestures-meshes": table_gestures_meshes}
 TABLE = re.compile(r"<!-- table: ([\w-]+) -->\n(.*?)\n<!-- end -->", re.S)
 

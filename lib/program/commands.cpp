@@ -12,6 +12,7 @@
 #include "lobe/diagnostics/compare.h"
 #include "lobe/error.h"
 #include "lobe/io/mesh_io.h"
+#include "lobe/io/surface_io.h"
 #include "lobe/linearity/total_error.h"
 #include "lobe/mesh/quality.h"
 #include "lobe/mesh/topology.h"
@@ -207,6 +208,7 @@ int info(const InfoOptions& options) {
 
 int check(const SceneOptions& options) {
   const Loaded loaded = load(options, false);
+  if (!loaded.scene.skin.empty()) read_obj(skin_path(loaded.scene));  // as lobe view will
   std::vector<TotalError> errors;
   if (options.total_error) {
     ProgressBar bar("solving");

@@ -64,14 +64,16 @@ struct ConvertOptions {
 int convert(const ConvertOptions& options);
 
 struct MakeSceneOptions {
-  std::filesystem::path file;    // a mesh, a surface or a label image
-  std::filesystem::path output;  // the scene; empty: named after the file, in the working folder
+  std::vector<std::filesystem::path> files;  // a mesh, a label image, or surfaces
+  std::filesystem::path output;  // the scene; empty: default_scene(); a mesh that is made is beside it
   double scale = 0;              // from the file's coordinates to metres; 0: by its size
   double edge = 0;               // of tetrahedra that a surface is filled with [m]; 0: lobe-mesh chooses
   std::string tissue = "liver";
   std::string hold;  // one of names_of_sides(); empty: the broadest side
 };
 std::vector<std::string> names_of_sides();
+// "organ_scene.json" in the working folder for organ.stl: no name that a user's own files are likely to have.
+std::filesystem::path default_scene(const MakeSceneOptions& options);
 int make_scene(const MakeSceneOptions& options);
 
 struct TissuesOptions {

@@ -33,7 +33,6 @@ int forward(const std::string& program, char** first, char** last, const std::st
 }
 
 void add_make_scene_options(CLI::App& command, MakeSceneOptions& options) {
-  command.add_option("FILE", options.file, "a mesh, a surface, or a label image")->required();
   command
       .add_option("--scale", options.scale,
                   "what coordinates are multiplied by, 0.001 for millimetres; default: by the size")
@@ -46,17 +45,18 @@ void add_make_scene_options(CLI::App& command, MakeSceneOptions& options) {
       ->check(CLI::IsMember(names_of_sides()));
 }
 
-bool is_scene(const std::string& file) { return std::filesystem::path(file).extension() == ".json"; }
-
-// lobe view FILE of what is no scene: a scene is made for it, once, and then shown.
+// lobe view FILE… [options] of what is no scene: a scene is made for it, once, and then shown.
 int make_and_view(int argc, char** argv) {
-  CLI::App app("Makes a scene for FILE and shows it; takes the options of lobe view SCENE, too", "lobe view");
+  CLI::App app("Makes a scene for FILE… and shows it; takes the options of lobe view SCENE, too",
+               "lobe view FILE…");
   MakeSceneOptions options;
   add_make_scene_options(app, options);
   app.allow_extras();
+  int at = 2;
+  for (; at < argc && argv[at][0] != '-'; ++at) options.files.emplace_back(argv[at]);
   try {
-    app.parse(argc - 1, argv + 1);
-    options.output = options.file.filename().replace_extension(".json");
+    app.parse(argc - at + 1, argv + at - 1);
+    options.output = default_scene(options);
     const bool asks =
         app.count("--scale") + app.count("--edge") + app.count("--tissue") + app.count("--hold") > 0;
     if (!asks && std::filesystem::exists(options.output))
@@ -93,8 +93,8 @@ std::optional<int> run_other_program(int argc, char** argv) {
   const std::string_view command = argc > 1 ? argv[1] : "";
   if (command == "mesh") return forward("lobe-mesh", argv + 2, argv + argc, "LOBE_MESHING");
   if (command == "bench") return forward("lobe-bench", argv + 2, argv + argc, "LOBE_BENCHMARKS");
-  if (command == "view" && argc > 2 && argv[2][0] != '-' && !is_scene(argv[2]))
-    return make_and_view(argc, argv);
+  const bool is_scene = argc > 2 && std::filesystem::path(argv[2]).extension() == ".json";
+  if (command == "view" && argc > 2 && argv[2][0] != '-' && !is_scene) return make_and_view(argc, argv);
   if (command == "view") return forward("lobe-view", argv + 2, argv + argc, "LOBE_VIEW");
   if (is_for_petsc(argc, argv)) return forward("lobe-petsc", argv + 1, argv + argc, "LOBE_PETSC");
   return {};
@@ -149,8 +149,9 @@ void add_convert(CLI::App& app, ConvertOptions& options, Action& action) {
 void add_scene(CLI::App& app, MakeSceneOptions& options, Action& action) {
   CLI::App* command =
       app.add_subcommand("scene", "Write a scene for a mesh or a surface: units, tissue, what is held");
+  command->add_option("FILE", options.files, "a mesh, a label image, or surfaces")->required();
   add_make_scene_options(*command, options);
-  command->add_option("-o,--output", options.output, "scene to write (.json); default: named after FILE");
+  command->add_option("-o,--output", options.output, "scene to write (.json); default: FILE_scene.json");
   command->callback([&] { action = [&] { return make_scene(options); }; });
 }
 

@@ -62,12 +62,22 @@ Body read_body(const MakeSceneOptions& options, std::filesystem::path mesh) {
   return body;
 }
 
-// Runs lobe-mesh, which says what it repairs and how good the mesh is.
-Body meshed_body(const MakeSceneOptions& options) {
+std::filesystem::path made_mesh(const MakeSceneOptions& options) {
   std::filesystem::path mesh = options.output;
   mesh.replace_extension(".vtu");
-  std::vector<std::string> arguments{sibling("lobe-mesh").string(), options.file.string(), "-o",
-                                     mesh.string()};
+  for (const std::filesystem::path& file : options.files)
+    if (std::filesystem::exists(mesh) && std::filesystem::equivalent(mesh, file))
+      throw InputError("--output", options.output.string() + ": the mesh beside it would be " +
+                                       mesh.string() + ", which is the input; give another name");
+  return mesh;
+}
+
+// Runs lobe-mesh, which says what it repairs and how good the mesh is.
+Body meshed_body(const MakeSceneOptions& options) {
+  const std::filesystem::path mesh = made_mesh(options);
+  std::vector<std::string> arguments{sibling("lobe-mesh").string()};
+  for (const std::filesystem::path& file : options.files) arguments.push_back(file.string());
+  arguments.insert(arguments.end(), {"-o", mesh.string()});
   if (options.scale > 0)
     arguments.insert(arguments.end(), {"--scale", exact(options.scale)});
   else
@@ -76,18 +86,22 @@ Body meshed_body(const MakeSceneOptions& options) {
   const int status = run_program(arguments);
   if (status == 127)
     throw InputError("lobe-mesh", "not found in the folder of lobe or on the PATH; ./dev build makes it");
-  if (status != 0) throw InputError(options.file.string(), "was not meshed");
-  return {read_mesh(mesh), mesh, 1};
+  if (status != 0) throw InputError(options.files.front().string(), "was not meshed");
+  Body body{read_mesh(mesh), mesh, 1};
+  for (std::size_t k = 0; options.files.size() > 1 && k < options.files.size(); ++k)
+    body.file.label_names[static_cast<int>(k)] = options.files[k].stem().string();
+  return body;
 }
 
 Body find_body(const MakeSceneOptions& options) {
-  if (!may_hold_tetrahedra(options.file)) return meshed_body(options);
+  const std::filesystem::path& file = options.files.front();
+  if (options.files.size() > 1 || !may_hold_tetrahedra(file)) return meshed_body(options);
   try {
-    return read_body(options, options.file);
+    return read_body(options, file);
   } catch (const InputError& error) {
     const bool may_be =
         std::string(error.what()).find("a surface is meshed by lobe-mesh") != std::string::npos;
-    if (!may_be || !may_hold_a_surface(options.file)) throw;
+    if (!may_be || !may_hold_a_surface(file)) throw;
   }
   return meshed_body(options);
 }
@@ -194,7 +208,8 @@ void check_options(const MakeSceneOptions& options) {
   }
   if (lower_extension(options.output) != ".json")
     faults.push_back({"--output", options.output.string() + ": expected a name that ends in .json"});
-  if (!std::filesystem::exists(options.file)) faults.push_back({options.file.string(), "no such file"});
+  for (const std::filesystem::path& file : options.files)
+    if (!std::filesystem::exists(file)) faults.push_back({file.string(), "no such file"});
   if (!faults.empty()) throw InputError(std::move(faults));
 }
 
@@ -223,9 +238,13 @@ std::vector<std::string> names_of_sides() {
   return names;
 }
 
+std::filesystem::path default_scene(const MakeSceneOptions& options) {
+  return options.files.front().stem().string() + "_scene.json";
+}
+
 int make_scene(const MakeSceneOptions& given) {
   MakeSceneOptions options = given;
-  if (options.output.empty()) options.output = options.file.filename().replace_extension(".json");
+  if (options.output.empty()) options.output = default_scene(options);
   check_options(options);
   Body body = find_body(options);
   const Side& side = held_side(options, body.file.mesh);

@@ -55,7 +55,7 @@ TEST_CASE("the side that is held and the scale can be chosen") {
   const Ended ended = lobe_in(folder, "scene plate.vtu --hold x+ --scale 0.002");
   REQUIRE_MESSAGE(ended.status == 0, ended.err);
   CHECK_FALSE(has(ended.out, "units"));
-  const Json scene = Json::parse(bytes_of(folder.path / "plate.json"));
+  const Json scene = Json::parse(bytes_of(folder.path / "plate_scene.json"));
   CHECK(scene["mesh_scale"] == 0.002);
   CHECK(scene["materials"][0]["tissue"] == "liver");
   const Json plane = scene["boundary"][0]["where"]["plane"];
@@ -77,8 +77,8 @@ TEST_CASE("what lobe scene cannot do is refused before anything is written") {
   }
   folder.write("bad.vtu", "no mesh");
   CHECK(lobe_in(folder, "scene bad.vtu").status == 2);
-  CHECK_FALSE(std::filesystem::exists(folder.path / "plate.json"));
-  CHECK_FALSE(std::filesystem::exists(folder.path / "bad.json"));
+  CHECK_FALSE(std::filesystem::exists(folder.path / "plate_scene.json"));
+  CHECK_FALSE(std::filesystem::exists(folder.path / "bad_scene.json"));
 }
 
 TEST_CASE("lobe view of a mesh makes its scene once, and again when it is asked to") {
@@ -87,12 +87,12 @@ TEST_CASE("lobe view of a mesh makes its scene once, and again when it is asked 
   const std::string view = "view plate.vtu --port 99999";  // which lobe-view refuses
   const Ended first = lobe_in(folder, view);
   CHECK(first.status == 2);
-  CHECK(has(first.out, "written to plate.json"));
-  folder.write("plate.json", "{}");
-  CHECK(has(lobe_in(folder, view).out, "plate.json was made before"));
-  CHECK(bytes_of(folder.path / "plate.json") == "{}");
+  CHECK(has(first.out, "written to plate_scene.json"));
+  folder.write("plate_scene.json", "{}");
+  CHECK(has(lobe_in(folder, view).out, "plate_scene.json was made before"));
+  CHECK(bytes_of(folder.path / "plate_scene.json") == "{}");
   CHECK(has(lobe_in(folder, view + " --tissue spleen").out, "material   spleen"));
-  CHECK(has(bytes_of(folder.path / "plate.json"), "\"tissue\": \"spleen\""));
+  CHECK(has(bytes_of(folder.path / "plate_scene.json"), "\"tissue\": \"spleen\""));
 }
 
 TEST_CASE("lobe tissues lists all of them with their sources") {
@@ -106,4 +106,19 @@ TEST_CASE("lobe tissues lists all of them with their sources") {
     CHECK(list[i]["standard_deviation_Pa"].is_null() == (tissues()[i].spread == 0));
     CHECK(has(text, std::string(tissues()[i].source)));
   }
+}
+
+TEST_CASE("lobe check reads the skin, which only lobe view shows") {
+  const Folder folder;
+  Json scene = small_scene();
+  scene["skin"] = "skin.obj";
+  write_scene_files(folder, scene);
+  const Ended missing = lobe_in(folder, "check scene.json");
+  CHECK(missing.status == 2);
+  CHECK(has(missing.err, "skin.obj"));
+  folder.write("skin.obj", "solid x\n");
+  CHECK(lobe_in(folder, "check scene.json").status == 2);
+  folder.write("skin.obj", "v 0 0 0\nv 0.01 0 0\nv 0 0.01 0\nf 1 2 3\n");
+  const Ended right = lobe_in(folder, "check scene.json");
+  CHECK_MESSAGE(right.status == 0, right.err);
 }

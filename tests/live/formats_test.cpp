@@ -107,9 +107,9 @@ TEST_CASE("a file of another layout has another format number") {
   const auto file = folder.path / "file";
   World<float> world(setup_of(irregular_box(2)));
   write_checkpoint(file, world.save());
-  check<Checkpoint<float>>(file, {24, 12577059646349150397u});
+  check<Checkpoint<float>>(file, {25, 8948149084090293488u});
   write_recording(file, {});
-  check<Recording>(file, {12, 5598557377977672559u});
+  check<Recording>(file, {13, 11133127219115962596u});
   write_session(file, SavedSession<float>{world.save(), {}});
-  check<SavedSession<float>>(file, {6, 705722995107896461u});
+  check<SavedSession<float>>(file, {7, 6848827028089030829u});
 }

@@ -55,7 +55,7 @@ struct Dice {
       case 3:
         return Command(Advance{0.01 * real()});
       case 4:
-        return Command(Advance{0.01, {BladeCut{}}});
+        return Command(Relinearise{0.01 * real()});
       case 5:
       case 6:
       case 7:

@@ -5,7 +5,7 @@
 
 #include <functional>
 
-#include "recorded_strokes.h"
+#include "sinking_block.h"
 
 using namespace lobe;
 using namespace lobe::test;

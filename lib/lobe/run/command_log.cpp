@@ -65,7 +65,7 @@ void CommandLog::push_back(const Entry& entry, std::uint64_t digest, bool is_not
   const auto* command = std::get_if<Command>(&entry);
   const auto* advance = command ? std::get_if<Advance>(command) : nullptr;
   const auto* lead = command ? std::get_if<Lead>(command) : nullptr;
-  if (advance && advance->cuts.empty())
+  if (advance)
     push_frame(advance->duration, note);
   else if (lead && is_unchanged)
     push_lead(*lead);

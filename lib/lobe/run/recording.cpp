@@ -16,7 +16,7 @@
 namespace lobe {
 namespace {
 
-constexpr io::Format format{"loberec ", 12, "recording of a world"};
+constexpr io::Format format{"loberec ", 13, "recording of a world"};
 
 // Whether a command only says what tools do in the next frame. Such a command does not change the state.
 bool is_about_tools(const Command& command) {
@@ -122,7 +122,7 @@ CommandRecorder<Real>::CommandRecorder(World<Real>& world, NotedFrames noted) : 
 template <class Real>
 void CommandRecorder<Real>::apply(const Command& command) {
   const auto* frame = std::get_if<Advance>(&command);
-  if (frame && frame->cuts.empty()) {
+  if (frame) {
     advance(frame->duration);
     return;
   }
@@ -136,8 +136,7 @@ void CommandRecorder<Real>::apply(const Command& command) {
 template <class Real>
 Report CommandRecorder<Real>::advance(double duration) {
   Report report = world_.advance(duration);
-  const bool is_noted = notes_next_frame() || !report.cuts.empty();
-  recording_.commands.push_back(Command(Advance{duration, report.cuts}), digest(world_), is_noted);
+  recording_.commands.push_back(Command(Advance{duration}), digest(world_), notes_next_frame());
   return report;
 }
 

@@ -1,7 +1,6 @@
 // A recording lists the commands that a world was given, with a digest of the state after each. A replay on a
 // world of the same setup must give the same bits, on any number of threads. Going back to an earlier state
-// is an entry too; what was done before stays in the recording. A frame has what blades have cut in it, and a
-// replay cuts the same without asking where they are.
+// is an entry too; what was done before stays in the recording.
 #pragma once
 
 #include <cstdint>

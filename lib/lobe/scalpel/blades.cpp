@@ -23,13 +23,6 @@ Vec3d off_line(int row, std::size_t station) {
   return {part(n * 0.8191725133961645), part(n * 0.6710436067037893), part(n * 0.5497004779019703)};
 }
 
-std::vector<BladeCut::Station> stations_of(const Blades::Row& row) {
-  std::vector<BladeCut::Station> stations;
-  for (std::size_t i = 0; i < row.size(); ++i)
-    if (row[i].grain >= 0) stations.push_back({static_cast<Index>(i), row[i].grain, row[i].rest});
-  return stations;
-}
-
 bool is_in(const Grains& grains, Index grain, const Vec3d& X) {
   constexpr double rounding = 1e-9;
   const Eigen::Vector4i& p = grains[grain].points;
@@ -59,16 +52,11 @@ std::vector<BladeMove> Blades::steps(const BladeMove& move) const {
   const double way = std::max(of_tip.norm(), of_heel.norm()), turn = (of_heel - of_tip).norm();
   const int count =
       static_cast<int>(std::clamp(std::ceil(std::max(way / 2, 2 * turn) / grains.mean_edge()), 1.0, 1000.0));
-  return steps(move, std::size_t(count));
-}
-
-std::vector<BladeMove> Blades::steps(const BladeMove& move, std::size_t count) {
-  const Vec3d of_tip = move.to.tip - move.from.tip, of_heel = move.to.heel - move.from.heel;
-  std::vector<BladeMove> steps(count, move);
+  std::vector<BladeMove> steps(std::size_t(count), move);
   BladePose from = move.from;
-  for (std::size_t i = 0; i < count; ++i) {
-    const double share = double(i + 1) / double(count);
-    BladeMove& step = steps[i];
+  for (int i = 0; i < count; ++i) {
+    const double share = double(i + 1) / count;
+    BladeMove& step = steps[std::size_t(i)];
     step.from = from;
     from = step.to = {move.from.tip + share * of_tip, move.from.heel + share * of_heel};
   }
@@ -84,7 +72,7 @@ BladePose Blades::start_of(const BladeMove& move, const BodyNow& body) const {
   return move.from;
 }
 
-std::optional<Incised> Blades::cut(const BladeMove& step, const BodyNow& body, BladeCut* made) {
+std::optional<Incised> Blades::cut(const BladeMove& step, const BodyNow& body) {
   Stroke* stroke = stroke_of(step);
   if (!stroke) return std::nullopt;
   if (stroke->rows.empty()) {
@@ -95,20 +83,12 @@ std::optional<Incised> Blades::cut(const BladeMove& step, const BodyNow& body, B
     const auto is_at_edge = [&](const auto& x) { return edge.may_reach(x, 0); };
     const std::vector<Index> near = body.tets_in({edge.box(), is_at_edge, is_at_edge});
     find_in_body(row, PlacedTets(grains, near, body.placement, body.corners));
-    if (made) made->begun = stations_of(row);
     stroke->rows = {std::move(row)};
   }
-  std::optional<BladeCut::Row> row;
-  Incised incised = advance(*stroke, step, body, row);
-  if (made)
-    made->steps.push_back({std::move(incised.caught_up), std::move(incised.incision),
-                           std::move(incised.taken_before), std::move(incised.taken), std::move(row),
-                           incised.way, incised.crumbs, incised.refused});
-  return incised;
+  return advance(*stroke, step, body);
 }
 
-Incised Blades::advance(Stroke& stroke, const BladeMove& step, const BodyNow& body,
-                        std::optional<BladeCut::Row>& made) {
+Incised Blades::advance(Stroke& stroke, const BladeMove& step, const BodyNow& body) {
   const std::vector<Row>& rows = stroke.rows;
   Incised caught_up = catch_up(stroke, step, body);
   const std::vector<Vec3d> from = places_of(rows.back(), body);
@@ -134,9 +114,8 @@ Incised Blades::advance(Stroke& stroke, const BladeMove& step, const BodyNow& bo
   stroke.points_seen = grains.point_count();
   incised.follow(std::move(caught_up));
   incised.way = way_of(now, rows.back(), there, from);
-  made = {is_new_beside(now, rows.size() > 1 ? swept.row(rows.size() - 2) : std::vector<Vec3d>{}),
-          stations_of(now)};
-  keep(std::move(now), made->is_new, stroke);
+  const bool is_new = is_new_beside(now, rows.size() > 1 ? swept.row(rows.size() - 2) : std::vector<Vec3d>{});
+  keep(std::move(now), is_new, stroke);
   return incised;
 }
 
@@ -166,7 +145,6 @@ Incised Blades::catch_up(Stroke& stroke, const BladeMove& step, const BodyNow& b
   blade.since = since;
   Incised incised = incise(grains, blade, swept, PlacedTets(grains, tets, body.placement, body.corners));
   incised.caught_up = std::exchange(incised.incision, {});
-  incised.taken_before = std::exchange(incised.taken, {});
   stroke.points_seen = grains.point_count();
   return incised;
 }

@@ -24,57 +24,6 @@ struct BladeMove {
   bool along_faces = false;
 };
 
-// What is done ahead of a blade, before it cuts.
-struct BladeAhead {
-  bool expands = false;      // pre-computed regions
-  std::vector<Index> freed;  // reduced tetrahedra that become non-linear
-  bool operator==(const BladeAhead&) const = default;
-  static constexpr auto fields = std::tuple(&BladeAhead::expands, &BladeAhead::freed);
-};
-
-// A point of the edge inside the body, as a material point. Stations of contact/places.h are something else.
-struct BladeStation {
-  Index at = 0;                // number of the point along the edge, from the tip
-  Index grain = 0;             // in which it lies
-  Vec3d rest = Vec3d::Zero();  // its rest position [m]
-  bool is_valid() const { return rest.allFinite(); }
-  bool operator==(const BladeStation&) const = default;
-  static constexpr auto fields = std::tuple(&BladeStation::at, &BladeStation::grain, &BladeStation::rest);
-};
-struct BladeRow {       // the edge at the end of a step
-  bool is_new = false;  // false: it takes the place of the row before
-  std::vector<BladeStation> stations;
-  bool operator==(const BladeRow&) const = default;
-  static constexpr auto fields = std::tuple(&BladeRow::is_new, &BladeRow::stations);
-};
-
-// What a move has cut, step by step, and what the blade knows of the body afterwards. A recording has it, so
-// that a replay need not find it again, and that the blade can go on from there.
-struct BladeCut {
-  using Station = BladeStation;
-  using Row = BladeRow;
-  struct Step {
-    Incision caught_up, incision;
-    std::vector<Index> taken_before, taken;  // points that the sheet took, in either
-    std::optional<Row> row;                  // none: the blade has not moved
-    Vec3d way = Vec3d::Zero();               // Incised has the rest
-    Index crumbs = 0, refused = 0;
-    bool is_valid() const { return way.allFinite(); }
-    bool operator==(const Step&) const = default;
-    static constexpr auto fields =
-        std::tuple(&Step::caught_up, &Step::incision, &Step::taken_before, &Step::taken, &Step::row,
-                   &Step::way, &Step::crumbs, &Step::refused);
-  };
-  BladePose from;              // where the edge was at the start; the tissue may have carried it there
-  std::vector<Station> begun;  // of the edge there, if a stroke begins
-  std::vector<Step> steps;     // none: the blade waited
-  BladeAhead ahead;
-  bool is_valid() const { return from.tip.allFinite() && from.heel.allFinite(); }
-  bool operator==(const BladeCut&) const = default;
-  static constexpr auto fields =
-      std::tuple(&BladeCut::from, &BladeCut::begun, &BladeCut::steps, &BladeCut::ahead);
-};
-
 class Blades {
  public:
   explicit Blades(const Elements& elements) : grains(elements) {}
@@ -91,13 +40,9 @@ class Blades {
   // The steps of a move. What a blade sweeps without turning is flat, however far it goes. So a step goes as
   // far as two edges, but displacements of the blade's ends differ by half an edge at most.
   std::vector<BladeMove> steps(const BladeMove& move) const;
-  static std::vector<BladeMove> steps(const BladeMove& move, std::size_t count);
   // Performs one step. The caller then divides the tetrahedra that were opened. Does nothing while 32 other
-  // strokes go on. If it is to be listed in `made`, its incisions are there only.
-  std::optional<Incised> cut(const BladeMove& step, const BodyNow& body, BladeCut* made = nullptr);
-  // Repeats what the step of this number in `made` has done. The stroke goes on from there. Throws InputError
-  // for what does not fit the grains.
-  Incised repeat(const BladeMove& step, const BladeCut& made, std::size_t number, const BodyNow& body);
+  // strokes go on.
+  std::optional<Incised> cut(const BladeMove& step, const BodyNow& body);
   // Ends the strokes that did not go on since the last call.
   void end_strokes();
 
@@ -133,12 +78,8 @@ class Blades {
  private:
   Stroke* stroke_of(const BladeMove& step);
   Row first_row(const BladeMove& step, Stroke& stroke) const;
-  Incised advance(Stroke& stroke, const BladeMove& step, const BodyNow& body,
-                  std::optional<BladeCut::Row>& made);
+  Incised advance(Stroke& stroke, const BladeMove& step, const BodyNow& body);
   Incised catch_up(Stroke& stroke, const BladeMove& step, const BodyNow& body);
-  Incised repeat(const Incision& incision, const std::vector<Index>& taken, const Stroke& stroke,
-                 const BladeMove& step, const BodyNow& body);
-  void put_at(const std::vector<BladeCut::Station>& stations, Row& row) const;
   std::vector<Index> follow_divided(Stroke& stroke) const;
   void find_stations_again(Stroke& stroke, const std::vector<Index>& divided) const;
   std::vector<Index> tets_near(const SweptSheets& swept, const Blade& blade, const BodyNow& body) const;

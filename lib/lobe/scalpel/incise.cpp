@@ -279,7 +279,6 @@ Incised Step::cut() {
     return std::move(result_);
   }
   put_on();
-  result_.taken = new_on_;
   find_crossed();
   refuse_too_many();
   drop_third_marks();
@@ -296,7 +295,6 @@ Incised Step::cut() {
 
 void Incised::follow(Incised&& before) {
   caught_up = std::move(before.caught_up);
-  taken_before = std::move(before.taken_before);
   opened.insert(opened.end(), before.opened.begin(), before.opened.end());
   faces.insert(faces.end(), before.faces.begin(), before.faces.end());
   area += before.area;
@@ -304,10 +302,10 @@ void Incised::follow(Incised&& before) {
   refused += before.refused;
 }
 
-void divide_again(const Incision& incision, Grains& grains, std::uint32_t strokes) {
+void divide_again(const Incision& incision, Grains& grains) {
   if (!grains.can_bisect(incision.bisections))
     throw InputError("incision", "names a point that there is not, or divides an edge at its end");
-  grains.bisect(incision.bisections, strokes);
+  grains.bisect(incision.bisections);
   if (!grains.can_open(incision.opened)) throw InputError("incision", "opens a face that there is not");
 }
 

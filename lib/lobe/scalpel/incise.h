@@ -29,9 +29,8 @@ struct Blade {
 struct Incised {
   Incision caught_up;  // comes before the other: of edges that other strokes have made behind the blade
   Incision incision;
-  std::vector<Index> taken_before, taken;  // points that the sheet took, in either
-  std::vector<Index> opened;               // the tetrahedra beside the faces that were opened
-  double area = 0;                         // of these faces, at rest [m²]
+  std::vector<Index> opened;  // the tetrahedra beside the faces that were opened
+  double area = 0;            // of these faces, at rest [m²]
   struct Face {
     Index element, neighbour;  // tetrahedra
     double area;               // at rest [m²]
@@ -51,9 +50,9 @@ struct Incised {
 // the last sheet is near.
 Incised incise(Grains& grains, const Blade& blade, const SweptSheets& swept, const PlacedTets& tets);
 
-// Divides grains as a step has done, after which faces can be opened as it has. The new points lie on the
-// sheets of `strokes`, as bits. Throws InputError for an incision that does not fit the grains.
-void divide_again(const Incision& incision, Grains& grains, std::uint32_t strokes = 0);
+// Divides grains as a step has done, after which faces can be opened as it has. Throws InputError for an
+// incision that does not fit the grains.
+void divide_again(const Incision& incision, Grains& grains);
 
 inline constexpr Index most_grains = 256;  // of a tetrahedron of the start
 

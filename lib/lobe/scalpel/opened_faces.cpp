@@ -92,13 +92,6 @@ void open_on_sheets(Grains& grains, const PlacedTets& tets, const SweptSheets& s
   let_wait(grains, stroke, std::move(closed));
 }
 
-void open_again(Grains& grains, const PlacedTets& tets, int stroke, const std::vector<Index>& new_on,
-                std::vector<Index> faces, Incised& incised) {
-  std::vector<Index> closed = grains_with_closed_faces(grains, stroke, new_on);
-  open_faces(grains, tets, std::move(faces), incised);
-  let_wait(grains, stroke, std::move(closed));
-}
-
 void open_between_sides(Grains& grains, const PlacedTets& tets, std::span<const Sheet* const> sheets,
                         const std::vector<Index>& near, Incised& incised) {
   std::vector<Index> faces;

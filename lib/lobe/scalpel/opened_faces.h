@@ -20,10 +20,6 @@ void open_on_sheets(Grains& grains, const PlacedTets& tets, const SweptSheets& s
 void open_between_sides(Grains& grains, const PlacedTets& tets, std::span<const Sheet* const> sheets,
                         const std::vector<Index>& near, Incised& incised);
 
-// Opens these faces as open_on_sheets() has done. Others wait as after that.
-void open_again(Grains& grains, const PlacedTets& tets, int stroke, const std::vector<Index>& new_on,
-                std::vector<Index> faces, Incised& incised);
-
 // Opens these faces.
 void open_faces(Grains& grains, const PlacedTets& tets, std::vector<Index> faces, Incised& incised);
 

@@ -16,10 +16,8 @@ namespace lobe {
 
 struct Advance {
   double duration = 0;  // [s]
-  // What blades cut in this frame, move by move, as Report::cuts lists it. None: they decide it.
-  std::vector<BladeCut> cuts = {};
   bool operator==(const Advance&) const = default;
-  static constexpr auto fields = std::tuple(&Advance::duration, &Advance::cuts);
+  static constexpr auto fields = std::tuple(&Advance::duration);
 };
 
 struct RemoveTets {

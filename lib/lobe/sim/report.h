@@ -8,7 +8,6 @@
 #include <tuple>
 #include <vector>
 
-#include "lobe/scalpel/blades.h"
 #include "lobe/types.h"
 
 namespace lobe {
@@ -77,6 +76,5 @@ struct Report {
   Transitions transitions;                    // of reduced regions, since the last report
   std::array<double, phase_count> seconds{};  // of wall time per phase
   std::vector<Condition> conditions;
-  std::vector<BladeCut> cuts;  // what blades have cut in this frame, move by move; recordings keep it
 };
 }  // namespace lobe

@@ -5,7 +5,6 @@
 #include <optional>
 #include <utility>
 
-#include "lobe/error.h"
 #include "lobe/scalpel/far_move.h"
 #include "lobe/text.h"
 
@@ -58,39 +57,23 @@ bool Scalpels::prepare(const Elements& elements) {
 }
 
 BladeMove Scalpels::whole(const BladeMove& move, const Blades::BodyNow& body) const {
-  if (!repeated_.empty() && has_repeated_all())
-    throw InputError("frame", "has cuts of fewer blades than move in it");
   BladeMove whole = move;
-  whole.from = repeated_.empty() ? blades_->start_of(move, body) : repeated_[cuts_.size()].from;
+  whole.from = blades_->start_of(move, body);
   return whole;
 }
 
-std::vector<Scalpels::Step> Scalpels::cut(const BladeMove& whole, BladeAhead ahead,
-                                          const Blades::BodyNow& body) {
-  const BladeCut* again = repeated_.empty() ? nullptr : &repeated_[cuts_.size()];
-  const auto moves = again ? Blades::steps(whole, again->steps.size()) : blades_->steps(whole);
-  BladeCut cut{whole.from, {}, {}, std::move(ahead)};
+std::vector<Scalpels::Step> Scalpels::cut(const BladeMove& whole, const Blades::BodyNow& body) {
   std::vector<Step> steps;
-  for (const BladeMove& move : moves) {
-    std::optional<Incised> incised =
-        again ? blades_->repeat(move, *again, steps.size(), body) : blades_->cut(move, body, &cut);
+  for (const BladeMove& move : blades_->steps(whole)) {
+    std::optional<Incised> incised = blades_->cut(move, body);
     if (!incised) break;
     steps.push_back({std::move(*incised), move.to.tip});
   }
-  cuts_.push_back(again ? *again : std::move(cut));
   return steps;
 }
 
-// Whether the last move has cut grains or opened faces.
-bool Scalpels::has_cut() const {
-  const std::vector<BladeCut::Step>& steps = cuts_.back().steps;
-  return std::any_of(steps.begin(), steps.end(), [](const BladeCut::Step& step) {
-    return !step.caught_up.empty() || !step.incision.empty();
-  });
-}
-
 // A scene is warned of the same before it runs (scene/scalpel_kind.cpp).
-std::vector<std::string> Scalpels::unfit(const BladeMove& move, const Elements& elements,
+std::vector<std::string> Scalpels::unfit(const BladeMove& move, bool has_cut, const Elements& elements,
                                          const Blades::BodyNow& body) {
   std::vector<std::string> texts;
   const double length = (move.to.heel - move.to.tip).norm(), edge = grains()->mean_edge();
@@ -105,7 +88,7 @@ std::vector<std::string> Scalpels::unfit(const BladeMove& move, const Elements& 
                       " m in the mean, and may open nothing. Remedy: a longer blade, a finer mesh there");
     }
   }
-  if (gone_.way > far_move * edge && !is_in(told_.far, move.tool) && has_cut()) {
+  if (gone_.way > far_move * edge && !is_in(told_.far, move.tool) && has_cut) {
     told_.far.push_back(move.tool);
     texts.push_back("a blade went " + rounded(gone_.way) + " m in a frame, more than three mean edges of " +
                     rounded(edge) +

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <memory>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -25,35 +24,23 @@ class Scalpels {
 
   // ---- Cuts of a frame
 
-  void begin_frame() {
-    cuts_.clear();
-    gone_ = {};
-  }
+  void begin_frame() { gone_ = {}; }
   // Ends the strokes that did not go on in this frame.
   void end_strokes() {
     if (blades_) blades_->end_strokes();
   }
-  // What blades have cut in this frame so far, move by move.
-  const std::vector<BladeCut>& cuts() const { return cuts_; }
-  // From now on moves repeat these cuts, wherever the blades are. Empty: blades cut where they are.
-  void repeat(std::span<const BladeCut> cuts) { repeated_ = cuts; }
-  bool has_repeated_all() const { return cuts_.size() == repeated_.size(); }
-
-  // The move from where its edge really starts, since tissue may have carried it along. Throws InputError if
-  // there is no cut left to repeat.
+  // The move from where its edge really starts, since tissue may have carried it along.
   BladeMove whole(const BladeMove& move, const Blades::BodyNow& body) const;
   struct Step {
-    Incised incised;            // without its incisions, which are in cuts()
+    Incised incised;
     Vec3d tip = Vec3d::Zero();  // of the blade, at its end [m]
   };
-  // What was done before this move, if recorded cuts are repeated: do the same. Null if none are repeated.
-  const BladeAhead* ahead() const { return repeated_.empty() ? nullptr : &repeated_[cuts_.size()].ahead; }
   // Performs a whole move. It cuts grains only: a tetrahedron is where its parts will be until it is divided.
   // No step: the blade waits, because 32 others cut.
-  std::vector<Step> cut(const BladeMove& whole, BladeAhead ahead, const Blades::BodyNow& body);
+  std::vector<Step> cut(const BladeMove& whole, const Blades::BodyNow& body);
   // What is unfit in a move that was made: a blade narrower than the tetrahedra that it meets, or one that
-  // has gone far in this frame. Each is told once per tool.
-  std::vector<std::string> unfit(const BladeMove& move, const Elements& elements,
+  // has gone far in this frame and `has_cut`. Each is told once per tool.
+  std::vector<std::string> unfit(const BladeMove& move, bool has_cut, const Elements& elements,
                                  const Blades::BodyNow& body);
 
   // ---- Edits
@@ -88,12 +75,9 @@ class Scalpels {
 
  private:
   bool lies_on_held_boundary(Index v, const Model& model) const;
-  bool has_cut() const;
 
-  std::unique_ptr<Blades> blades_;      // none until a blade cuts
-  std::unique_ptr<Blades> prepared_;    // what they will be then, while the mesh is as it is now
-  std::vector<BladeCut> cuts_;          // of the present frame, so far
-  std::span<const BladeCut> repeated_;  // of the present frame
+  std::unique_ptr<Blades> blades_;    // none until a blade cuts
+  std::unique_ptr<Blades> prepared_;  // what they will be then, while the mesh is as it is now
   struct {
     std::vector<int> narrow, far;  // tools of which unfit() has told it
   } told_;

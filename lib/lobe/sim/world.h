@@ -125,7 +125,7 @@ class World {
   Setup current_setup(CompactMesh& compacted) const;
 
  private:
-  void perform(const Advance& command);
+  void perform(const Advance& command) { advance(command.duration); }
   void perform(const RemoveTets& command) { remove_tets(command.tets); }
   void perform(const SetRegion& command);
   void perform(const Expand&);
@@ -157,8 +157,7 @@ class World {
   bool has_floor() const { return !implicit_ && setup_.cut_step > 0; }  // of masses, once a blade cuts
   typename Blades::BodyNow body_now();
   void incise(const BladeMove& move, Report& report);
-  BladeAhead ahead_of(const BladeMove& move);
-  void make_way(const BladeAhead& ahead);
+  void make_way(const BladeMove& move);
   MeshEdit divide(const std::vector<Index>& opened);
   void begin_floor();
   void follow_with_surface(const MeshEdit& edit);

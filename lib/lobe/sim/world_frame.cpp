@@ -167,7 +167,6 @@ Report World<Real>::advance(double duration) {
   report.patches_evaluated = after.evaluated - before.evaluated;
   report.patches_skipped = after.skipped - before.skipped;
   report.transitions = std::exchange(next_report_.transitions, {});
-  report.cuts = scalpels_.cuts();
   lobe_assert(body_.motion.u.count() == elements().topology.vertex_count(), "a vertex has no displacement");
   if constexpr (is_debug_build)
     if (report.tets_removed > 0 || report.cut_area > 0) validate(*this);

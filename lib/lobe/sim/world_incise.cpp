@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "lobe/error.h"
 #include "lobe/scalpel/grain_cells.h"
 #include "lobe/sim/checkpoint.h"
 #include "lobe/sim/hinges.h"
@@ -61,38 +60,16 @@ Blades::BodyNow World<Real>::body_now() {
   return {placement, tets_in, corners};
 }
 
-// A frame of a recording. If its cuts do not fit the grains, the world goes back to its start.
-template <class Real>
-void World<Real>::perform(const Advance& command) {
-  if (command.cuts.empty()) {
-    advance(command.duration);
-    return;
-  }
-  const Checkpoint<Real> start = save();
-  scalpels_.repeat(command.cuts);
-  try {
-    advance(command.duration);
-    if (!scalpels_.has_repeated_all()) throw InputError("frame", "has cuts of more blades than move in it");
-  } catch (const InputError&) {
-    scalpels_.repeat({});
-    journal_.edits.push_back(Superseded{});  // so that the grains are made again
-    restore(start);
-    throw;
-  }
-  scalpels_.repeat({});
-}
-
 // Grains are cut step by step. Tetrahedra are divided once, after the last step.
 template <class Real>
 void World<Real>::incise(const BladeMove& move, Report& report) {
   start_blades();
   const BladeMove whole = scalpels_.whole(move, body_now());
-  const BladeAhead* again = scalpels_.ahead();
-  BladeAhead ahead = again ? *again : ahead_of(whole);
-  make_way(ahead);
+  make_way(whole);
   Index crumbs = 0;
   std::vector<Index> opened;
-  const std::vector<Scalpels::Step> steps = scalpels_.cut(whole, std::move(ahead), body_now());
+  std::vector<Incision> incisions;
+  const std::vector<Scalpels::Step> steps = scalpels_.cut(whole, body_now());
   for (const Scalpels::Step& step : steps) {
     const Incised& incised = step.incised;
     if (incised.refused > 0)
@@ -103,12 +80,10 @@ void World<Real>::incise(const BladeMove& move, Report& report) {
     opened.insert(opened.end(), incised.opened.begin(), incised.opened.end());
     report.cut_area += incised.area;
     tools_.cut_by(move.tool, work_of(incised, elements()), incised.way, step.tip);
-  }
-  std::vector<Incision> incisions;
-  for (const BladeCut::Step& step : scalpels_.cuts().back().steps)
-    for (const Incision* made : {&step.caught_up, &step.incision})
+    for (const Incision* made : {&incised.caught_up, &incised.incision})
       if (!made->empty()) incisions.push_back(*made);
-  for (const std::string& text : scalpels_.unfit(move, elements(), body_now()))
+  }
+  for (const std::string& text : scalpels_.unfit(move, !incisions.empty(), elements(), body_now()))
     notice(Condition::Kind::scalpel, text);
   if (steps.empty()) notice(Condition::Kind::scalpel, "more than 32 blades cut at once: one waits");
   if (!incisions.empty()) {
@@ -126,21 +101,16 @@ void World<Real>::incise(const BladeMove& move, Report& report) {
 // To edit a condensed region costs milliseconds per tetrahedron. So an expandable one is expanded before a
 // blade reaches it. Reduced tetrahedra near the blade become non-linear.
 template <class Real>
-BladeAhead World<Real>::ahead_of(const BladeMove& move) {
+void World<Real>::make_way(const BladeMove& move) {
   const Regions<Real>& regions = body_.regions;
-  if (!regions.heeds_blades()) return {};
+  if (!regions.heeds_blades()) return;
   Eigen::AlignedBox3d box(move.from.tip);
   for (const Vec3d& end : {move.from.heel, move.to.tip, move.to.heel}) box.extend(end);
   const Vec3d reach = Vec3d::Constant(3 * grains()->mean_edge());
   const std::vector<Index> near = body_now().tets_in({{box.min() - reach, box.max() + reach}, {}, {}});
-  return {regions.expands_for(near), regions.in_the_way(elements(), near)};
-}
-
-template <class Real>
-void World<Real>::make_way(const BladeAhead& ahead) {
-  check_tets(ahead.freed);
-  if (ahead.expands) perform(Expand{});
-  if (!ahead.freed.empty()) change_region(ahead.freed, RegionModel::nonlinear);
+  const std::vector<Index> freed = regions.in_the_way(elements(), near);
+  if (regions.expands_for(near)) perform(Expand{});
+  if (!freed.empty()) change_region(freed, RegionModel::nonlinear);
 }
 
 // Divides these tetrahedra where faces next to them were opened.

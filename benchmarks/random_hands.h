@@ -94,7 +94,7 @@ class RandomHands {
     for (int i = 0; i < 4; ++i)
       removal.tets.push_back(options_.removable[random_() % options_.removable.size()]);
     command.kind = HandCommand::Kind::edit;
-    command.body_edit = std::make_shared<const Command>(removal);
+    command.body_edit = std::make_shared<const Edit>(removal);
   }
 
   std::mt19937 random_;

@@ -60,7 +60,7 @@ template <class Kind, class Real>
 Index count(World<Real>& world) {
   return static_cast<Index>(
       std::count_if(world.journal().edits.begin(), world.journal().edits.end(),
-                    [](const Command& command) { return std::holds_alternative<Kind>(command); }));
+                    [](const JournalEntry& entry) { return std::holds_alternative<Kind>(entry); }));
 }
 
 template <class Real>

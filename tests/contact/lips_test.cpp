@@ -48,7 +48,7 @@ void slit(World<Real>& world, const TetMesh& mesh) {
     if (Incision incision = knife.sweep(row(-0.007 + 0.005 * i), row(-0.002 + 0.005 * i)).incision;
         !incision.empty())
       incisions.push_back(std::move(incision));
-  world.apply(Incise{incisions});
+  incise(world, incisions);
   CHECK(world.elements().topology.tet_copy_count() > 100);
   CHECK(world.elements().topology.pieces().size() == 1);
 }

@@ -119,7 +119,7 @@ TEST_CASE("what is cut loose in a hand hardly draws it, and a sphere that touche
       RemoveTets cut;
       for (Index t = 0; t < loop.setup.mesh.tet_count(); ++t)
         if (std::abs(barycentre(loop.setup.mesh, t).z() - 0.035) < 0.006) cut.tets.push_back(t);
-      loop.controller.send({.kind = Kind::edit, .body_edit = std::make_shared<const Command>(cut)});
+      loop.controller.send({.kind = Kind::edit, .body_edit = std::make_shared<const Edit>(cut)});
       double lowest = whole, highest = whole, drawn = 0;
       loop.run(0.3, [&](const HapticState& state) {
         const double normal = holds ? state.force.z() : loop.link.model.latest()->normal.dot(state.force);

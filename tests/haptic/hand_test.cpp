@@ -263,7 +263,7 @@ TEST_CASE(
   RemoveTets cut;
   for (Index t = 0; t < loop.setup.mesh.tet_count(); ++t)
     if (std::abs(barycentre(loop.setup.mesh, t).z() - 0.035) < 0.006) cut.tets.push_back(t);
-  loop.controller.send({.kind = Kind::edit, .body_edit = std::make_shared<const Command>(cut)});
+  loop.controller.send({.kind = Kind::edit, .body_edit = std::make_shared<const Edit>(cut)});
   Vec3d before = loop.servo().state().force;
   const double whole = before.norm();
   double highest = 0;

@@ -14,7 +14,7 @@ void pull_and_cut(Session<float>& session, Controller& hand) {
   hand.send(take_at(top));
   hand.send(lead_to(top + lift));
   step(session, 20);
-  hand.send({.kind = Kind::edit, .body_edit = std::make_shared<const Command>(RemoveTets{{10, 11}})});
+  hand.send({.kind = Kind::edit, .body_edit = std::make_shared<const Edit>(RemoveTets{{10, 11}})});
   step(session, 20);
 }
 

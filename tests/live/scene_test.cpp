@@ -228,15 +228,15 @@ TEST_CASE("a session that a scene cannot tell is refused with what and when") {
   Setup other = setup;
   other.damping += 1;
   CHECK(refusal(other) == "session: is of another scene, mesh or version of them");
-  hands.send({.kind = Kind::edit, .body_edit = std::make_shared<const Command>(RemoveTets{{100}})});
+  hands.send({.kind = Kind::edit, .body_edit = std::make_shared<const Edit>(RemoveTets{{100}})});
   step(session, 1);
   CHECK(refusal() ==
         "session: tetrahedra were removed at 0.5 s, which a scene cannot describe; a recording can");
   hands.send(ask_for(Kind::back, 0.2));
   step(session, 1);
   CHECK(refusal() == "");
-  hands.send({.kind = Kind::edit,
-              .body_edit = std::make_shared<const Command>(SetForces{{{100, Vec3d(0, 0, 1e20)}}})});
+  hands.send(
+      {.kind = Kind::edit, .body_edit = std::make_shared<const Edit>(SetForces{{{100, Vec3d(0, 0, 1e20)}}})});
   session.step_frame();
   CHECK(refusal().find("session: forces were set at") == 0);
   Scene in_double = played.scene;
@@ -248,11 +248,11 @@ TEST_CASE("a session that a scene cannot tell is refused with what and when") {
 TEST_CASE("each edit that a scene has no word for is refused by its name") {
   const Played played;
   const Setup& setup = played.resolved.setup;
-  const auto refusal = [&](const Command& edit) -> std::string {
+  const auto refusal = [&](const Edit& edit) -> std::string {
     Session<float> session(setup);
     Controller hands = session.connect("surgeon");
     step(session, 12);
-    hands.send({.kind = Kind::edit, .body_edit = std::make_shared<const Command>(edit)});
+    hands.send({.kind = Kind::edit, .body_edit = std::make_shared<const Edit>(edit)});
     step(session, 1);
     try {
       session_scene(played.scene, setup, session);

@@ -54,9 +54,8 @@ TEST_CASE("what is done while the simulation pauses is seen at once") {
   mouse.send(turn_on(Kind::run, false));
   session.step_frame();
   const Index before = session.pictures().latest()->figures.tets;
-  mouse.send({.kind = Kind::edit,
-              .sequence = 41,
-              .body_edit = std::make_shared<const Command>(RemoveTets{{10, 11}})});
+  mouse.send(
+      {.kind = Kind::edit, .sequence = 41, .body_edit = std::make_shared<const Edit>(RemoveTets{{10, 11}})});
   CHECK_FALSE(session.step_frame());
   CHECK(session.pictures().latest()->figures.tets == before - 2);
   const auto status = session.status();
@@ -149,8 +148,8 @@ TEST_CASE(
   step(session, 20);
   const double before = session.world().time();
   mouse.send(take_at(top));
-  mouse.send({.kind = Kind::edit,
-              .body_edit = std::make_shared<const Command>(SetForces{{{100, Vec3d(0, 0, 1e20)}}})});
+  mouse.send(
+      {.kind = Kind::edit, .body_edit = std::make_shared<const Edit>(SetForces{{{100, Vec3d(0, 0, 1e20)}}})});
   session.step_frame();
   CHECK(session.world().time() == before);
   CHECK(session.status()->stands_still);

@@ -71,8 +71,7 @@ void pull(Session<float>& session, const std::atomic<bool>& done) {
 void cut(Session<float>& session) {
   for (Index tet = 0; tet < cut_tets; tet += 2) {
     Controller surgeon = session.connect("surgeon");
-    surgeon.send(
-        {.kind = Kind::edit, .body_edit = std::make_shared<const Command>(RemoveTets{{tet, tet + 1}})});
+    surgeon.send({.kind = Kind::edit, .body_edit = std::make_shared<const Edit>(RemoveTets{{tet, tet + 1}})});
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
   }
 }

@@ -34,7 +34,7 @@ void check_that_it_stays_exact(const Setup& setup) {
   world.set_state(random_state(world, 1e-4));
   int cuts = 0;
   for (const Incision& incision : incisions_of(setup.mesh, 4)) {
-    world.apply(Incise{{incision}});
+    incise(world, {incision});
     CAPTURE(++cuts);
     const RebuildDifference d = compare_with_rebuilt(world);
     CHECK(d.mass < 1e-9);

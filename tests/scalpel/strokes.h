@@ -56,7 +56,7 @@ void check_connections(const World<Real>& world) {
 
 template <class Real>
 void cut(World<Real>& world, const std::vector<Incision>& incisions) {
-  for (const Incision& incision : incisions) world.apply(Incise{{incision}});
+  for (const Incision& incision : incisions) incise(world, {incision});
 }
 
 template <class Real>

@@ -147,7 +147,7 @@ TEST_CASE(
   for (const Incision& step : strokes.steps) {
     if (step.empty()) continue;
     const std::uint64_t before = world.surface().revision();
-    world.apply(Incise{{step}});
+    incise(world, {step});
     CHECK(world.surface().revision() > before);
     if (++edits % 3 == 0) check_against_fresh_surface(world);
   }
@@ -171,7 +171,7 @@ TEST_CASE("a cut leaves the area of the skin as it was, and shows both sides of 
   const double skin = area_of(world.surface().mesh(), at_rest(world), false);
   const Strokes strokes(mesh, 3);
   for (const Incision& step : strokes.steps)
-    if (!step.empty()) world.apply(Incise{{step}});
+    if (!step.empty()) incise(world, {step});
   const Mat3X<double> X = at_rest(world);
   CHECK(area_of(world.surface().mesh(), X, false) == near(skin, 1e-12));
   CHECK(area_of(world.surface().mesh(), X, true) == near(2 * strokes.knife.area, 1e-12));
@@ -190,7 +190,7 @@ TEST_CASE("each part of a block that planes have parted is a ball: its surface h
     const auto row = [&](double x) {
       return std::vector<Vec3d>{centre + x * along - r * edge, centre + x * along + r * edge};
     };
-    world.apply(Incise{{knife.sweep(row(-r), row(r)).incision}});
+    incise(world, {knife.sweep(row(-r), row(r)).incision});
   }
   const std::unique_ptr<SurfaceCells> cells = surface_cells(world.elements(), world.grains());
   const std::set<Marked> triangles = marked_triangles(world.surface(), *cells);
@@ -219,7 +219,7 @@ TEST_CASE("lips are sharp: normals of the skin and of a plane cut are those of t
   Knife knife(box_mesh({0.1, 0.04, 0.04}, 10, 4, 4));
   knife.begin();
   const auto row = [](double z) { return std::vector<Vec3d>{{0.045, -0.1, z}, {0.045, 0.1, z}}; };
-  world.apply(Incise{{knife.sweep(row(0.1), row(-0.1)).incision}});
+  incise(world, {knife.sweep(row(0.1), row(-0.1)).incision});
   CHECK(world.elements().topology.pieces().size() == 2);
   const SurfaceMesh& mesh = world.surface().mesh();
   const Mat3X<double> X = at_rest(world);
@@ -254,7 +254,7 @@ TEST_CASE("where two plane cuts cross, each of their normals is that of its plan
     const auto row = [&](double x) {
       return std::vector<Vec3d>{middle + x * along - 0.1 * edge, middle + x * along + 0.1 * edge};
     };
-    for (const double x : {-0.1, 0.0}) world.apply(Incise{{knife.sweep(row(x), row(x + 0.1)).incision}});
+    for (const double x : {-0.1, 0.0}) incise(world, {knife.sweep(row(x), row(x + 0.1)).incision});
   }
   CHECK(world.elements().topology.pieces().size() == 4);
   check_against_fresh_surface(world);
@@ -289,7 +289,7 @@ TEST_CASE("a reader that takes over the changed slots alone has the same surface
     for (int k = 0; k < 10; ++k) {
       const Incision step = knife.sweep(row(x, 0.045 - 0.004 * k), row(x, 0.041 - 0.004 * k)).incision;
       const std::uint64_t before = world.surface().revision();
-      if (!step.empty()) world.apply(Incise{{step}});
+      if (!step.empty()) incise(world, {step});
       const SurfaceMesh& now = world.surface().mesh();
       if (now.revision == before) continue;
       // The first makes the grains, and with them all of the surface.
@@ -322,7 +322,7 @@ TEST_CASE("a world that goes back to a checkpoint shows the surface of then") {
   const auto whole = world.save();
   const Strokes strokes(mesh, 2);
   for (const Incision& step : strokes.steps)
-    if (!step.empty()) world.apply(Incise{{step}});
+    if (!step.empty()) incise(world, {step});
   const auto cut = world.save();
   const Index triangles = world.surface().mesh().triangle_count();
   world.restore(whole);

@@ -30,7 +30,7 @@ void check_that_steps_in_turn_equal_single_ones(Setup setup) {
   const std::vector<Incision> incisions = incisions_of(setup.mesh, 3);
   World<double> one_by_one = moving_world<double>(setup), together = moving_world<double>(setup);
   cut(one_by_one, incisions);
-  together.apply(Incise{incisions});
+  incise(together, incisions);
   validate(together);
   CHECK(compare_with_rebuilt(together).largest() < 1e-12);
   const Grains &a = *one_by_one.grains(), &b = *together.grains();
@@ -583,7 +583,7 @@ TEST_CASE("whatever is said of points and faces, an incision is made and nothing
         if (uniform(random) < 0.1) code = number(grains);
       const Index before = world.grains() ? world.grains()->count() : 0;
       try {
-        world.apply(Incise{{incision}});
+        incise(world, {incision});
         ++made;
       } catch (const InputError&) {
         ++refused;

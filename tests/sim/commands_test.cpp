@@ -1,7 +1,7 @@
-// Commands that a world cannot follow, as a damaged file or an application may have them.
+// Incisions and entries of a history that a world cannot follow, as a damaged file may have them.
 #include <doctest/doctest.h>
 
-#include "lobe/sim/world.h"
+#include "lobe/sim/checkpoint.h"
 #include "support.h"
 
 using namespace lobe;
@@ -20,46 +20,66 @@ Setup hanging() {
 }
 
 Hold hold(const HeldVertices::Held& item) {
-  Hold command;
-  command.held.hold(item);
-  return command;
+  Hold entry;
+  entry.held.hold(item);
+  return entry;
 }
 
 BeginCondensing about(std::size_t numbers) {
   return {1, std::make_shared<std::vector<double>>(numbers, 0.0)};
 }
 
+void check_same_motion(World<double>& world, World<double>& other) {
+  REQUIRE(world.advance(0.01).ok);
+  other.advance(0.01);
+  CHECK(world.state().u == other.state().u);
+  CHECK(world.state().v == other.state().v);
+}
+
+void restore_with(World<double>& world, const std::vector<JournalEntry>& entries) {
+  Checkpoint<double> checkpoint = world.save();
+  for (const JournalEntry& entry : entries) checkpoint.history.push_back(entry);
+  world.restore(checkpoint);
+}
+
 }  // namespace
 
-TEST_CASE("a command that a world cannot follow is refused by name and changes nothing") {
+TEST_CASE("an incision that does not fit the body is refused and changes nothing") {
   const Setup setup = hanging();
   const Index vertices = setup.mesh.vertex_count(), tets = setup.mesh.tet_count();
-  Incise no_point, no_face, edge_twice;
-  no_point.incisions = {{{{0, vertices + 1000, 0.5}}, {}, 0}};
-  no_face.incisions = {{{}, {4 * 100 * tets}, 0}};
-  edge_twice.incisions = {{{{0, 0, 0.5}}, {}, 0}};
-  const std::vector<std::pair<Command, std::string>> cases = {
-      {hold({.vertex = vertices}), "command: holds a vertex that there is not, or at no finite place"},
-      {hold({.vertex = 0, .goal = Vec3d(0, std::nan(""), 0)}),
-       "command: holds a vertex that there is not, or at no finite place"},
-      {about(std::size_t(3 * vertices)),
-       "command: condenses a region that there is not, or that is being condensed"},
-      {EndCondensing{}, "command: ends condensing, which has not begun"},
-      {no_point, "incision: names a point that there is not, or divides an edge at its end"},
-      {no_face, "incision: opens a face that there is not"},
-      {edge_twice, "incision: names a point that there is not, or divides an edge at its end"},
+  const std::string no_point = "incision: names a point that there is not, or divides an edge at its end";
+  const std::vector<std::pair<Incision, std::string>> cases = {
+      {{{{0, vertices + 1000, 0.5}}, {}, 0}, no_point},
+      {{{}, {4 * 100 * tets}, 0}, "incision: opens a face that there is not"},
+      {{{{0, 0, 0.5}}, {}, 0}, no_point},
   };
   World<double> world(setup), other(setup);
-  for (const auto& [command, message] : cases) {
-    CAPTURE(message);
-    CHECK_THROWS_WITH_AS(world.apply(command), message.c_str(), InputError);
+  for (const auto& [incision, message] : cases) {
+    CHECK_THROWS_WITH_AS(incise(world, {incision}), message.c_str(), InputError);
     CHECK(world.journal().edits.empty());
     CHECK(world.grains() == nullptr);
+    check_same_motion(world, other);
+  }
+}
+
+TEST_CASE("a history with an entry that the body cannot follow is refused and changes nothing") {
+  const Setup setup = hanging();
+  const Index vertices = setup.mesh.vertex_count();
+  const std::string held =
+      "held vertices: one of them does not exist or is held at a place that is not finite";
+  const std::vector<std::pair<JournalEntry, std::string>> cases = {
+      {hold({.vertex = vertices}), held},
+      {hold({.vertex = 0, .goal = Vec3d(0, std::nan(""), 0)}), held},
+      {about(std::size_t(3 * vertices)),
+       "precomputed region: there is none to condense, or it is being condensed already"},
+      {EndCondensing{}, "precomputed region: condensing has not begun, so it cannot end"},
+  };
+  World<double> world(setup), other(setup);
+  for (const auto& [entry, message] : cases) {
+    CHECK_THROWS_WITH_AS(restore_with(world, {entry}), message.c_str(), InputError);
+    CHECK(world.journal().edits.empty());
     CHECK(world.held() == other.held());
-    REQUIRE(world.advance(0.01).ok);
-    other.advance(0.01);
-    CHECK(world.state().u == other.state().u);
-    CHECK(world.state().v == other.state().v);
+    check_same_motion(world, other);
   }
 }
 
@@ -70,14 +90,16 @@ TEST_CASE("a pre-computed region is condensed once at a time, about displacement
     if (barycentre(setup.mesh, t).z() > middle) setup.region_of[std::size_t(t)] = RegionModel::precomputed;
   World<double> world(setup);
   REQUIRE(world.body().regions.any_condensed());
-  CHECK_THROWS_WITH_AS(world.apply(about(3)), "command: relinearises about displacements of another mesh",
+  CHECK_THROWS_WITH_AS(restore_with(world, {about(3)}),
+                       "precomputed region: cannot be linearised about displacements of another mesh",
                        InputError);
-  const auto all = std::size_t(3 * setup.mesh.vertex_count());
-  world.apply(about(all));
-  CHECK(world.body().regions.is_condensing());
-  CHECK_THROWS_AS(world.apply(about(all)), InputError);
-  world.apply(EndCondensing{});
+  const BeginCondensing all = about(std::size_t(3 * setup.mesh.vertex_count()));
+  CHECK_THROWS_AS(restore_with(world, {all, all}), InputError);
+  CHECK_THROWS_AS(restore_with(world, {all, EndCondensing{}, EndCondensing{}}), InputError);
   CHECK_FALSE(world.body().regions.is_condensing());
-  CHECK_THROWS_AS(world.apply(EndCondensing{}), InputError);
+  restore_with(world, {all});
+  CHECK(world.body().regions.is_condensing());
+  restore_with(world, {EndCondensing{}});
+  CHECK_FALSE(world.body().regions.is_condensing());
   CHECK(world.advance(0.01).ok);
 }

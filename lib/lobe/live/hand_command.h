@@ -22,9 +22,7 @@ struct HandCommand {
     lead,     // moves the hand to `position`, turned by `orientation` since it took hold or brought its tool
     turn_on,  // or off, as `on` says: a cautery burns, a scalpel cuts, jaws close
     let_go,   // a grasp lets go; a tool that the hand has brought is removed
-    // Edits the body by `body_edit`: RemoveTets, SetRegion, SetForces and others, but neither commands of
-    // tools nor Advance.
-    edit,
+    edit,     // edits the body by `body_edit`: RemoveTets, SetRegion, SetForces and others
     run,      // as `on` says; false: the simulation pauses
     step,     // one frame, while paused
     speed,    // `value` simulated seconds per second of the clock, 0.001 … 100
@@ -41,8 +39,8 @@ struct HandCommand {
   Eigen::Vector4d orientation{0, 0, 0, 1};  // unit quaternion x, y, z, w
   double radius = 0;                        // [m]
   double value = 0;
-  std::shared_ptr<const Command> body_edit = {};  // of `edit`
-  std::shared_ptr<const BringTool> tool = {};     // of `bring`; the hand's name replaces its own
+  std::shared_ptr<const Edit> body_edit = {};  // of `edit`
+  std::shared_ptr<const BringTool> tool = {};  // of `bring`; the hand's name replaces its own
 };
 
 const char* name(HandCommand::Kind kind);

@@ -226,17 +226,7 @@ void Session<Real>::restore(const std::filesystem::path& file) {
 template <class Real>
 void Session<Real>::edit(const HandCommand& command) {
   if (!command.body_edit) throw InputError("edit", "has no command for the body");
-  const bool is_edit = std::visit(
-      []<class Edit>(const Edit&) {
-        return std::is_same_v<Edit, RemoveTets> || std::is_same_v<Edit, SetRegion> ||
-               std::is_same_v<Edit, Expand> || std::is_same_v<Edit, Condense> ||
-               std::is_same_v<Edit, Relinearise> || std::is_same_v<Edit, SetMassDegree> ||
-               std::is_same_v<Edit, KeepFull> || std::is_same_v<Edit, SetForces> ||
-               std::is_same_v<Edit, SetSprings> || std::is_same_v<Edit, MoveSprings>;
-      },
-      *command.body_edit);
-  if (!is_edit) throw InputError("edit", "is not for tools, frames, or what the world does by itself");
-  timeline_.apply(*command.body_edit);
+  timeline_.apply(as_command(*command.body_edit));
   was_changed_ = true;
 }
 

@@ -17,7 +17,6 @@ namespace {
 // The name of an edit that a scene cannot describe.
 const char* edit_name(const Command& command) {
   if (std::holds_alternative<RemoveTets>(command)) return "tetrahedra were removed";
-  if (std::holds_alternative<Incise>(command)) return "an incision was made";
   if (std::holds_alternative<SetRegion>(command)) return "a region was changed";
   if (std::holds_alternative<SetMassDegree>(command)) return "the degree of the masses was changed";
   if (std::holds_alternative<KeepFull>(command)) return "vertices of a reduced region were kept full";

@@ -7,7 +7,6 @@
 #include "lobe/error.h"
 #include "lobe/file/atomic_file.h"
 #include "lobe/file/scanner.h"
-#include "lobe/sim/check_command.h"
 #include "lobe/sim/enum_sizes.h"
 #include "lobe/sim/kinds_of_terms.h"
 
@@ -81,10 +80,8 @@ void World<Real>::restore(const Checkpoint<Real>& c) {
   try_added_terms(body_.terms, c, elements().topology.vertex_count());
   if (c.history != journal_.edits) {  // removed tetrahedra do not come back
     World fresh(initial_setup(), body_.parallel.threads());
-    for (const Command& command : c.history) {
-      fresh.check_repeats(command);
-      fresh.repeat(command);
-    }
+    for (const JournalEntry& entry : c.history)
+      std::visit([&](const auto& any) { fresh.repeat(any); }, entry);
     fresh.check_fits(c);
     fresh.body_.terms = std::move(body_.terms);
     fresh.softening_ = std::move(softening_);
@@ -175,29 +172,16 @@ Setup World<Real>::initial_setup() const {
   return setup;
 }
 
-// Checks that a command of a history can be applied now. The history of a damaged file may have any commands.
 template <class Real>
-void World<Real>::check_repeats(const Command& command) const {
-  if (std::holds_alternative<Advance>(command) || std::holds_alternative<Relinearise>(command) ||
-      std::holds_alternative<SetMassDegree>(command) || std::holds_alternative<KeepFull>(command))
-    refuse();
-  check_command(body_, command);
+void World<Real>::repeat(const RemoveTets& entry) {
+  check_tets(entry.tets);
+  cut(entry.tets);
 }
 
-// Repeats a command without its consequences, which are in the history as well.
 template <class Real>
-void World<Real>::repeat(const Command& command) {
-  if (const auto* removal = std::get_if<RemoveTets>(&command)) {
-    check_tets(removal->tets);
-    cut(removal->tets);
-  } else if (const auto* incise = std::get_if<Incise>(&command)) {
-    repeat_incisions(*incise);
-  } else if (const auto* change = std::get_if<SetRegion>(&command)) {
-    check_tets(change->tets);
-    change_region(change->tets, change->model);
-  } else {
-    apply(command);
-  }
+void World<Real>::repeat(const SetRegion& entry) {
+  check_tets(entry.tets);
+  change_region(entry.tets, entry.model);
 }
 
 template <class Real>

@@ -1,5 +1,6 @@
-// Commands: all that may be done to a world, as data. Applications apply them (World::apply()), recordings
-// replay them, and checkpoints list those that have edited the world since the start.
+// All that is done to a world, as data. Edits of the body, commands of tools and frames are commands:
+// applications apply them (World::apply()), and recordings replay them. What a world has done to its mesh
+// and regions since the start are journal entries, which checkpoints list.
 #pragma once
 
 #include <algorithm>
@@ -72,17 +73,6 @@ struct KeepFull {
   static constexpr auto fields = std::tuple(&KeepFull::vertices, &KeepFull::duration);
 };
 
-// Records what a blade has cut in one frame, step by step, by numbers of grains. Tetrahedra are divided once,
-// after the last step. World makes this command. The first one is empty; it marks when the grains were made.
-struct Incise {
-  std::vector<Incision> incisions;
-  bool is_empty() const {
-    return std::all_of(incisions.begin(), incisions.end(), [](const Incision& i) { return i.empty(); });
-  }
-  bool operator==(const Incise&) const = default;
-  static constexpr auto fields = std::tuple(&Incise::incisions);
-};
-
 // Sets external forces on vertices [N]. They replace the previous ones.
 struct SetForces {
   std::vector<VertexLoad> forces;
@@ -107,8 +97,25 @@ struct MoveSprings {
   static constexpr auto fields = std::tuple(&MoveSprings::points);
 };
 
-// Sets which vertices are held from then on. World makes this command where a pre-computed region depends on
-// it.
+// ---- Edits of the body
+
+using Edit = std::variant<RemoveTets, SetRegion, Expand, Condense, Relinearise, SetMassDegree, KeepFull,
+                          SetForces, SetSprings, MoveSprings>;
+
+// ---- What a world does by itself
+
+// What a blade has cut in one frame, step by step, by numbers of grains. Tetrahedra were divided once, after
+// the last step. The first one is empty; it marks when the grains were made.
+struct Incise {
+  std::vector<Incision> incisions;
+  bool is_empty() const {
+    return std::all_of(incisions.begin(), incisions.end(), [](const Incision& i) { return i.empty(); });
+  }
+  bool operator==(const Incise&) const = default;
+  static constexpr auto fields = std::tuple(&Incise::incisions);
+};
+
+// Which vertices were held from then on, where a pre-computed region depends on it.
 struct Hold {
   HeldVertices held;
   bool operator==(const Hold&) const = default;
@@ -116,7 +123,7 @@ struct Hold {
 };
 
 // BeginCondensing: another thread begins to condense pre-computed regions from scratch. EndCondensing: the
-// result is used. World makes both commands.
+// result is used.
 struct BeginCondensing {
   double due = 0;  // when EndCondensing follows [s]
   // Relinearised about these, 3 × #vertices [m]; none: as before.
@@ -135,11 +142,18 @@ struct EndCondensing {
   static constexpr auto fields = std::tuple();
 };
 
-// Takes the place of a command whose effect a later command has replaced. So the others keep their numbers.
+// Takes the place of an entry whose effect a later entry has replaced. So the others keep their numbers.
 struct Superseded {
   bool operator==(const Superseded&) const = default;
   static constexpr auto fields = std::tuple();
 };
+
+// The entries of a journal, in the order in which they were done. RemoveTets and SetRegion are there without
+// their consequences, which follow as entries of their own.
+using JournalEntry = std::variant<RemoveTets, SetRegion, Expand, Condense, Incise, Hold, BeginCondensing,
+                                  EndCondensing, Superseded>;
+
+// ---- What applications apply
 
 template <class... Variants>
 struct Joined;
@@ -147,10 +161,10 @@ template <class... A, class... B, class... C>
 struct Joined<std::variant<A...>, std::variant<B...>, std::variant<C...>> {
   using Type = std::variant<A..., B..., C...>;
 };
-using Command =
-    Joined<std::variant<Advance, RemoveTets, SetRegion, Expand, Condense, Relinearise, SetMassDegree>,
-           ToolCommand,
-           std::variant<Incise, SetForces, SetSprings, MoveSprings, Hold, BeginCondensing, EndCondensing,
-                        Superseded, KeepFull>>::Type;
+using Command = Joined<std::variant<Advance>, Edit, ToolCommand>::Type;
+
+inline Command as_command(const Edit& edit) {
+  return std::visit([](const auto& any) -> Command { return any; }, edit);
+}
 
 }  // namespace lobe

@@ -1,5 +1,5 @@
-// What has been done to the mesh and the regions of a world, in order. Copies share the commands: a
-// checkpoint takes a pointer per command, and does not see what comes later.
+// What has been done to the mesh and the regions of a world, in order. Copies share the entries: a checkpoint
+// takes a pointer per entry, and does not see what comes later.
 #pragma once
 
 #include <algorithm>
@@ -16,37 +16,37 @@ namespace lobe {
 
 class History {
  public:
-  std::size_t size() const { return commands_.size(); }
-  bool empty() const { return commands_.empty(); }
-  const Command& operator[](std::size_t i) const { return *commands_[i]; }
-  const Command& front() const { return *commands_.front(); }
+  std::size_t size() const { return entries_.size(); }
+  bool empty() const { return entries_.empty(); }
+  const JournalEntry& operator[](std::size_t i) const { return *entries_[i]; }
+  const JournalEntry& front() const { return *entries_.front(); }
 
-  void push_back(Command command) { commands_.push_back(share(std::move(command))); }
-  // A later command has replaced the effect of this one. The commands that follow keep their numbers.
+  void push_back(JournalEntry entry) { entries_.push_back(share(std::move(entry))); }
+  // A later entry has replaced the effect of this one. The entries that follow keep their numbers.
   void supersede(std::size_t i) {
     static const Shared superseded = share(Superseded{});
-    commands_[i] = superseded;
+    entries_[i] = superseded;
   }
 
   friend bool operator==(const History& a, const History& b) {
-    return std::equal(a.commands_.begin(), a.commands_.end(), b.commands_.begin(), b.commands_.end(),
+    return std::equal(a.entries_.begin(), a.entries_.end(), b.entries_.begin(), b.entries_.end(),
                       [](const Shared& x, const Shared& y) { return x == y || *x == *y; });
   }
 
  private:
-  using Shared = std::shared_ptr<const Command>;
-  static Shared share(Command command) { return std::make_shared<const Command>(std::move(command)); }
+  using Shared = std::shared_ptr<const JournalEntry>;
+  static Shared share(JournalEntry entry) { return std::make_shared<const JournalEntry>(std::move(entry)); }
 
-  std::vector<Shared> commands_;
+  std::vector<Shared> entries_;
 
  public:
   class Iterator {
    public:
     using iterator_category = std::forward_iterator_tag;
-    using value_type = Command;
+    using value_type = JournalEntry;
     using difference_type = std::ptrdiff_t;
-    using pointer = const Command*;
-    using reference = const Command&;
+    using pointer = const JournalEntry*;
+    using reference = const JournalEntry&;
 
     Iterator() = default;
     explicit Iterator(std::vector<Shared>::const_iterator at) : at_(at) {}
@@ -62,13 +62,13 @@ class History {
    private:
     std::vector<Shared>::const_iterator at_;
   };
-  Iterator begin() const { return Iterator(commands_.begin()); }
-  Iterator end() const { return Iterator(commands_.end()); }
+  Iterator begin() const { return Iterator(entries_.begin()); }
+  Iterator end() const { return Iterator(entries_.end()); }
 
   bool is_valid() const {
-    return std::none_of(commands_.begin(), commands_.end(), [](const Shared& x) { return !x; });
+    return std::none_of(entries_.begin(), entries_.end(), [](const Shared& x) { return !x; });
   }
-  static constexpr auto fields = std::tuple(&History::commands_);
+  static constexpr auto fields = std::tuple(&History::entries_);
 };
 
 // What a world was built from, and what has been done since.

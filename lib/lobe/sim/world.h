@@ -28,6 +28,10 @@ namespace lobe {
 
 template <class Real>
 struct Checkpoint;
+template <class Real>
+class World;
+template <class Real>
+void incise(World<Real>& world, const std::vector<Incision>& incisions);
 
 template <class Real>
 class World {
@@ -133,6 +137,9 @@ class World {
   void perform(const Relinearise& command);
   void perform(const SetMassDegree& command);
   void perform(const KeepFull& command);
+  void perform(const SetForces& command);
+  void perform(const SetSprings& command);
+  void perform(const MoveSprings& command);
   template <class Bring>
   requires requires { &Bring::check; }
   void perform(const Bring& command) {
@@ -142,16 +149,25 @@ class World {
   }
   void perform(const Lead& command) { tools_.lead(command.tool, command.target); }
   void perform(const SwitchTool& command) { tools_.turn_on(command.tool, command.on); }
-  void perform(const Incise& command);
   void perform(const LetGo& command) { tools_.let_go(command.tool); }
-  void perform(const SetForces& command);
-  void perform(const SetSprings& command);
-  void perform(const MoveSprings& command);
-  void perform(const Hold& command);
-  void perform(const BeginCondensing& command);
-  void perform(const EndCondensing&);
-  void perform(const Superseded& command) { journal_.edits.push_back(command); }
 
+  // Repeats an entry of a journal without its consequences, which are entries as well. Throws InputError for
+  // one that does not fit, as a damaged file may have it.
+  void repeat(const RemoveTets& entry);
+  void repeat(const SetRegion& entry);
+  void repeat(const Expand& entry) { perform(entry); }
+  void repeat(const Condense& entry) { perform(entry); }
+  void repeat(const Incise& entry) { make_again(entry.incisions); }
+  void repeat(const Hold& entry) { hold(entry.held); }
+  void repeat(const BeginCondensing& entry) { begin_condensing(entry); }
+  void repeat(const EndCondensing&) { end_condensing(); }
+  void repeat(const Superseded& entry) { journal_.edits.push_back(entry); }
+
+  friend void incise<Real>(World& world, const std::vector<Incision>& incisions);
+  void hold(const HeldVertices& held);
+  void begin_condensing(BeginCondensing begin);
+  void end_condensing();
+  MeshEdit make_again(const std::vector<Incision>& incisions);
   void prepare_blades();
   void start_blades();
   bool has_floor() const { return !implicit_ && setup_.cut_step > 0; }  // of masses, once a blade cuts
@@ -215,9 +231,6 @@ class World {
   static void check(const State<Real>& state);
   Setup initial_setup() const;
   void check_fits(const Checkpoint<Real>& checkpoint) const;
-  void check_repeats(const Command& command) const;
-  void repeat(const Command& command);
-  MeshEdit repeat_incisions(const Incise& command);
   Index settle(const MeshEdit& edit);
   void take(const Checkpoint<Real>& checkpoint);
   void take_nodes(const Checkpoint<Real>& checkpoint);
@@ -257,6 +270,12 @@ class World {
   Shown shown_;                      // of the body, when force terms saw it last
   std::map<int, double> softening_;  // of contact, per degree of selective masses; those that were found
 };
+
+// Makes incisions that a blade has made in an equal body (Incised::incision). Tetrahedra are divided once,
+// after the last one. Throws InputError for what does not fit the grains. For references and tests: blades
+// decide by themselves.
+template <class Real>
+void incise(World<Real>& world, const std::vector<Incision>& incisions);
 
 // Positions, directions and forces of all tools of a world.
 template <class Real>

@@ -15,14 +15,18 @@ namespace lobe {
 
 // Vertices were grasped or released.
 template <class Real>
-void World<Real>::perform(const Hold& command) {
+void World<Real>::hold(const HeldVertices& now) {
+  const Index vertices = elements().topology.vertex_count();
+  if (!std::all_of(now.all().begin(), now.all().end(),
+                   [&](const HeldVertices::Held& item) { return item.is_valid() && item.vertex < vertices; }))
+    throw InputError("held vertices", "one of them does not exist or is held at a place that is not finite");
   RegionEdit edit;
   for (const HeldVertices::Held& item : held().all()) edit.vertices.push_back(item.vertex);
-  for (const HeldVertices::Held& item : command.held.all()) edit.vertices.push_back(item.vertex);
+  for (const HeldVertices::Held& item : now.all()) edit.vertices.push_back(item.vertex);
   sort_unique(edit.vertices);
   const auto change = [&] {
-    body_.model.held = command.held;
-    if (body_.regions.needs_history_of_holds()) journal_.edits.push_back(command);
+    body_.model.held = now;
+    if (body_.regions.needs_history_of_holds()) journal_.edits.push_back(Hold{now});
     follow(std::move(edit));
   };
   if (body_.regions.any_roles())

@@ -285,9 +285,9 @@ template <class Real>
 void World<Real>::condense_anew() {
   constexpr double delay = 1;  // [s]
   if (body_.regions.is_condensing() && time() >= body_.regions.condensing_due())
-    perform(EndCondensing{});
+    end_condensing();
   else if (body_.regions.needs_condensing())
-    perform(BeginCondensing{time() + delay});
+    begin_condensing({time() + delay});
 }
 
 // Unravels tetrahedra that stay crushed. The search for the step limit has found the smallest det F.
@@ -320,7 +320,7 @@ void World<Real>::play_tools(double duration, Report& report) {
   HeldVertices now = held();
   if (tools_.update_grasps(time(), now, displacement, position, exists)) {
     synchronise_velocities();
-    perform(Hold{now});
+    hold(now);
     report.tets_removed += treat_loose(pieces_.loosened(body_.model));
   }
   const ToolWork work = tools_.work(time(), time() + duration);

@@ -147,21 +147,24 @@ Index World<Real>::settle(const MeshEdit& edit) {
   return treat_loose(loose);
 }
 
-// Repeats a cut without its consequences.
+// Makes incisions without their consequences.
 template <class Real>
-MeshEdit World<Real>::repeat_incisions(const Incise& command) {
+MeshEdit World<Real>::make_again(const std::vector<Incision>& incisions) {
   start_blades();
-  const std::vector<Index> opened = scalpels_.open(command.incisions);
-  if (!command.is_empty()) journal_.edits.push_back(command);
+  const std::vector<Index> opened = scalpels_.open(incisions);
+  const Incise entry{incisions};
+  if (!entry.is_empty()) journal_.edits.push_back(entry);
   return divide(opened);
 }
 
-// An invalid command changes nothing.
 template <class Real>
-void World<Real>::perform(const Incise& command) {
-  prepare_blades();
-  scalpels_.check(command.incisions);
-  settle(repeat_incisions(command));
+void incise(World<Real>& world, const std::vector<Incision>& incisions) {
+  world.prepare_blades();
+  world.scalpels_.check(incisions);  // so that what does not fit changes nothing
+  world.settle(world.make_again(incisions));
 }
+
+template void incise(World<float>&, const std::vector<Incision>&);
+template void incise(World<double>&, const std::vector<Incision>&);
 
 }  // namespace lobe

@@ -59,10 +59,13 @@ RegionEdit World<Real>::change_of_region(const std::vector<Index>& tets, RegionM
 
 // ---- Pre-computed regions
 
-// The command in the history has the displacements about which the region is linearised.
+// The entry in the journal has the displacements about which the region is linearised.
 template <class Real>
-void World<Real>::perform(const BeginCondensing& command) {
-  BeginCondensing begin = command;
+void World<Real>::begin_condensing(BeginCondensing begin) {
+  if (!body_.regions.can_begin_condensing())
+    throw InputError("precomputed region", "there is none to condense, or it is being condensed already");
+  if (begin.about && begin.about->size() != std::size_t(3 * elements().topology.vertex_count()))
+    throw InputError("precomputed region", "cannot be linearised about displacements of another mesh");
   const Mat3X<double>& former = body_.regions.linearised_about();
   if (!begin.about && former.size() > 0)
     begin.about = std::make_shared<std::vector<double>>(former.data(), former.data() + former.size());
@@ -71,18 +74,20 @@ void World<Real>::perform(const BeginCondensing& command) {
 }
 
 template <class Real>
-void World<Real>::perform(const EndCondensing& command) {
+void World<Real>::end_condensing() {
+  if (!body_.regions.is_condensing())  // the region may have been cut away meanwhile
+    throw InputError("precomputed region", "condensing has not begun, so it cannot end");
   synchronise_velocities();
   const bool is_condensed = body_.regions.end_condensing(elements());
   find_carried();
   ++body_.model.revisions.structure;
   ++body_.model.revisions.condensed;
-  journal_.edits.push_back(command);
+  journal_.edits.push_back(EndCondensing{});
   if (is_condensed) forget_former_condensing();
 }
 
 // A region that is condensed from scratch does not depend on how it was condensed before, nor on whether it
-// was expanded in between: only its tetrahedra and what is held decide. Commands for what was held in between
+// was expanded in between: only its tetrahedra and what is held decide. Entries for what was held in between
 // stay, because without them the interior would have other bits. If it was expanded when condensing from
 // scratch last began, later edits stay in the list, since condensing it again needs another pass.
 template <class Real>
@@ -108,8 +113,8 @@ void World<Real>::perform(const Relinearise& command) {
     throw InputError("region", "the delay until it is relinearised must be above 0 s");
   if (!body_.regions.can_begin_condensing()) return;
   const Mat3X<double> u = displacements().template cast<double>();
-  perform(BeginCondensing{time() + command.delay,
-                          std::make_shared<std::vector<double>>(u.data(), u.data() + u.size())});
+  begin_condensing(
+      {time() + command.delay, std::make_shared<std::vector<double>>(u.data(), u.data() + u.size())});
 }
 
 template <class Real>

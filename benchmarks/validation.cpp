@@ -18,7 +18,7 @@ void bench_validation(const Options& options) {
   std::vector<Point> points;
   std::size_t failed = 0;
   for (const Family& family : all_families()) {
-    const Findings findings = run_family(family, options.quick);
+    const validation::Findings findings = run_family(family, options.quick);
     for (const Row& row : findings.rows()) {
       std::printf("%s", text_line(row).c_str());
       failed += !row.passed;

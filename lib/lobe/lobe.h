@@ -14,7 +14,8 @@
 //   tool/         grasps, cauteries, scalpels and probes, on paths or moved by hand
 //   contact/      contact with tools, with obstacles and of the body with itself
 //   time/         the explicit scheme: inertia, stable step, sleep, tangles
-//   sim/          World: frames, tools, edits as commands, checkpoints
+//   organ/        a body that edits itself: cuts, changes of region, grasps, and what follows them
+//   sim/          World: frames, tools, commands, checkpoints
 //   solve/        static equilibrium, implicit steps
 //   linearity/    what linear regions get wrong: regions for declared gestures, corrected while they run
 //   scene/        JSON to plain structs to a setup

@@ -1,6 +1,6 @@
 #include <pybind11/stl.h>
 
-#include "lobe/sim/report.h"
+#include "lobe/organ/report.h"
 #include "lobe/text.h"
 #include "scene.h"
 

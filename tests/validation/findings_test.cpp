@@ -13,7 +13,7 @@ using namespace lobe::validation;
 using namespace lobe::test;
 
 TEST_CASE("a row passes within its tolerance, fails beyond it, and fails if it is not a number") {
-  Findings findings("f");
+  lobe::validation::Findings findings("f");
   const double nan = std::numeric_limits<double>::quiet_NaN();
   findings.value("a", "q", "m", 1.0099, {1, ""}, {0.01, ""});
   findings.value("a", "q", "m", 0.9899, {1, ""}, {0.01, ""});
@@ -31,11 +31,11 @@ TEST_CASE("a row passes within its tolerance, fails beyond it, and fails if it i
 }
 
 TEST_CASE("what a family throws is a failed row, after those it had found") {
-  const Family family{"f", [](Findings& findings, bool) {
+  const Family family{"f", [](lobe::validation::Findings& findings, bool) {
                         findings.value("a", "q", "m", 1, {1, ""}, {0.01, ""});
                         throw std::runtime_error("no equilibrium");
                       }};
-  const Findings findings = run_family(family, true);
+  const lobe::validation::Findings findings = run_family(family, true);
   REQUIRE(findings.rows().size() == 2);
   CHECK(findings.rows()[0].passed);
   CHECK(!findings.rows()[1].passed);
@@ -56,7 +56,7 @@ TEST_CASE("orders and limits of known sequences are found") {
 }
 
 TEST_CASE("the plot of the studies holds every point, one curve per study") {
-  Findings findings("f");
+  lobe::validation::Findings findings("f");
   findings.study("a", {0.5, 0.25}, {0.125, 0.03125});
   findings.study("b", {1.0}, {0.75});
   const std::string script = study_script(findings.points());

@@ -11,7 +11,7 @@
 
 namespace lobe {
 
-// A message of a session: a condition of the world (sim/report.h), or one of these:
+// A message of a session: a condition of the world (organ/report.h), or one of these:
 //   missed           a ray met nothing, or nothing within the radius can be grasped: the hand is empty
 //   slipped          a grasp was pulled at with more than the cap: it has let go
 //   controller_gone  its hands have let go

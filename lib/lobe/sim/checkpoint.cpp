@@ -7,8 +7,8 @@
 #include "lobe/error.h"
 #include "lobe/file/atomic_file.h"
 #include "lobe/file/scanner.h"
+#include "lobe/organ/kinds_of_terms.h"
 #include "lobe/sim/enum_sizes.h"
-#include "lobe/sim/kinds_of_terms.h"
 
 namespace lobe {
 namespace {
@@ -43,151 +43,10 @@ void try_added_terms(const std::vector<std::shared_ptr<ForceTerm<Real>>>& terms,
   }
 }
 
-}  // namespace
-
-std::uint64_t fingerprint(const Setup& setup) { return io::digest_of_fields(setup); }
-
 template <class Real>
-Checkpoint<Real> World<Real>::save() const {
-  Checkpoint<Real> c;
-  c.setup = journal_.setup;
-  c.history = journal_.edits;
-  c.state = {body_.motion.u.view(), body_.motion.v.view(), time(), body_.motion.velocity_lag};
-  c.held = held();
-  c.tools = tools_.state();
-  c.blades = scalpels_.state();
-  c.pieces = pieces_.state();
-  c.sleep = body_.sleep.state();
-  c.unravelling = unravelling_.state();
-  c.ratios = limit_.ratios();
-  c.limit = limit_.frame_limit();
-  c.limit.is_new = c.limit.is_new || !limit_.holds(body_);
-  c.nodes = body_.regions.state(body_.motion);
-  c.mass_degree = body_.inertia.degree();
-  if (implicit_) c.acceleration = implicit_->acceleration(body_.model);
-  c.pending = next_report_.conditions;
-  c.transitions = next_report_.transitions;
-  c.touch_expansion = touch_expansion_;
-  for (const auto& term : body_.terms) c.terms.push_back({term->name(), term->save()});
-  return c;
-}
-
-template <class Real>
-void World<Real>::restore(const Checkpoint<Real>& c) {
-  if (c.setup != journal_.setup)
-    throw InputError("checkpoint", "is of another scene, mesh or version of them");
-  check(c.state);
-  try_added_terms(body_.terms, c, elements().topology.vertex_count());
-  if (c.history != journal_.edits) {  // removed tetrahedra do not come back
-    World fresh(initial_setup(), body_.parallel.threads());
-    for (const JournalEntry& entry : c.history)
-      std::visit([&](const auto& any) { fresh.repeat(any); }, entry);
-    fresh.check_fits(c);
-    fresh.body_.terms = std::move(body_.terms);
-    fresh.softening_ = std::move(softening_);
-    fresh.display_ = std::move(display_);
-    fresh.display_.rebuild(fresh.elements(), fresh.grains());
-    fresh.body_.model.revisions = newer_than_both(body_.model.revisions, fresh.body_.model.revisions);
-    *this = std::move(fresh);
-  }
-  check_fits(c);
-  take(c);
-}
-
-// Terms that an application has added belong to it. They are in the order of the checkpoint, in which their
-// forces are added. Those that are not in it come last and keep their state. Tools are shown from the moment
-// before on, as they have the speed with which they came.
-template <class Real>
-void World<Real>::load_terms(const Checkpoint<Real>& c) {
-  auto former = std::exchange(body_.terms, {});
-  std::erase_if(former, [](const auto& term) { return find_kind_of_term<Real>(term->name()) != nullptr; });
-  for (const auto& entry : c.terms) {
-    const auto added = std::find_if(former.begin(), former.end(),
-                                    [&](const auto& term) { return term->name() == entry.name; });
-    if (added != former.end()) {
-      body_.terms.push_back(std::move(*added));
-      former.erase(added);
-    }
-    ForceTerm<Real>& term = find_kind_of_term<Real>(entry.name) ? own_term(entry.name) : *body_.terms.back();
-    term.load(entry.saved, elements().topology.vertex_count());
-  }
-  std::move(former.begin(), former.end(), std::back_inserter(body_.terms));
-  show_tools(time() - 2 * velocity_moment, time());
-}
-
-template <class Real>
-void World<Real>::take(const Checkpoint<Real>& c) {
-  body_.inertia.ask_for(c.mass_degree);
-  body_.inertia.use(c.unravelling.is_lumped ? 1 : c.mass_degree);
-  set_state(c.state);
-  body_.sleep.set_state(c.sleep);
-  unravelling_.set_state(c.unravelling);
-  body_.model.held = c.held;
-  take_nodes(c);
-  tools_.set_state(c.tools);
-  scalpels_.set_state(c.blades);
-  pieces_.set_state(c.pieces);
-  next_report_.conditions = c.pending;
-  next_report_.transitions = c.transitions;
-  touch_expansion_ = c.touch_expansion;
-  load_terms(c);
-  for (Index v = 0; v < elements().topology.vertex_count(); ++v) body_.inertia.update_inverse(body_.model, v);
-  shown_ = {};
-  refresh_terms();  // the step limit has to do with their stiffness
-  limit_.set_ratios(c.ratios);
-  limit_.set_frame_limit(c.limit, body_);
-  if (implicit_) implicit_->set_acceleration(body_.model, c.acceleration);
-}
-
-template <class Real>
-void World<Real>::take_nodes(const Checkpoint<Real>& c) {
-  Regions<Real>& regions = body_.regions;
-  if (!regions.any_roles()) return;
-  std::vector<Index> weighed;
-  VertexRoles roles = regions.begin_restoring(body_.model, c.nodes, weighed);
-  if (regions.has_roles(roles))
-    update_vertices(weighed);
-  else
-    embed_as(std::move(roles));
-  regions.end_restoring(elements(), c.nodes, body_.motion);
-  body_.motion.u.view() = c.state.u;
-  body_.motion.v.view() = c.state.v;
-  body_.state_was_replaced();
-}
-
-// The setup before all edits, without copies.
-template <class Real>
-Setup World<Real>::initial_setup() const {
-  const Topology& now = elements().topology;
-  Setup setup = setup_;
-  setup.mesh.points = elements().points.view().leftCols(now.vertex_count() - now.copy_count());
-  const Index tets = now.tet_count() - now.tet_copy_count();
-  setup.mesh.tets = now.tets().leftCols(tets).unaryExpr([&](Index v) { return now.origin(v); });
-  setup.mesh.labels = elements().labels;
-  setup.mesh.labels.resize(std::size_t(tets), 0);
-  setup.mesh.fibres = elements().fibres;
-  if (setup.mesh.fibres.cols() > tets) setup.mesh.fibres.conservativeResize(Eigen::NoChange, tets);
-  setup.material_of = elements().material_of;
-  setup.material_of.resize(std::size_t(tets));
-  return setup;
-}
-
-template <class Real>
-void World<Real>::repeat(const RemoveTets& entry) {
-  check_tets(entry.tets);
-  cut(entry.tets);
-}
-
-template <class Real>
-void World<Real>::repeat(const SetRegion& entry) {
-  check_tets(entry.tets);
-  change_region(entry.tets, entry.model);
-}
-
-template <class Real>
-void World<Real>::check_fits(const Checkpoint<Real>& c) const {
-  const Index vertices = elements().topology.vertex_count();
-  const auto tets = std::size_t(elements().topology.tet_count());
+void check_fits(const Checkpoint<Real>& c, const Organ<Real>& organ) {
+  const Index vertices = organ.elements().topology.vertex_count();
+  const auto tets = std::size_t(organ.elements().topology.tet_count());
   const std::vector<Index>& piece_of = c.pieces.piece_of;
   const auto is_known = [&](Index piece) {
     return piece >= 0 && std::size_t(piece) < c.pieces.was_held.size();
@@ -197,24 +56,115 @@ void World<Real>::check_fits(const Checkpoint<Real>& c) const {
       return grasp.id == holder && grasp.phase == Grasp::Phase::holding;
     });
   };
-  const std::vector<int> degrees = body_.inertia.degrees();
+  const std::vector<int> degrees = organ.body().inertia.degrees();
   bool fits = std::count(degrees.begin(), degrees.end(), c.mass_degree) == 1 &&
               c.state.u.cols() == vertices && c.state.v.cols() == vertices &&
-              (piece_of.empty() || piece_of.size() == tets) && Tools::fits(c.tools, vertices, setup_) &&
-              Blades::fits(c.blades, grains()) &&
-              c.sleep.asleep.size() == body_.sleep.state().asleep.size() &&
+              (piece_of.empty() || piece_of.size() == tets) &&
+              Tools::fits(c.tools, vertices, organ.setup()) && Blades::fits(c.blades, organ.grains()) &&
+              c.sleep.asleep.size() == organ.body().sleep.state().asleep.size() &&
               c.sleep.still_since.size() == c.sleep.asleep.size() &&
               c.ratios.of_vertex.size() == std::size_t(vertices) &&
               (c.acceleration.size() == 0 || c.acceleration.cols() == vertices);
-  fits = fits && is_known(0) && body_.regions.fits(c.nodes, elements());
+  fits = fits && is_known(0) && organ.body().regions.fits(c.nodes, organ.elements());
   for (Index piece : piece_of) fits = fits && is_known(piece);
   for (const auto& term : c.terms)
-    if (const auto* kind = find_kind_of_term<Real>(term.name)) kind->make(setup_)->load(term.saved, vertices);
+    if (const auto* kind = find_kind_of_term<Real>(term.name))
+      kind->make(organ.setup())->load(term.saved, vertices);
   for (Index t : c.unravelling.tets) fits = fits && t >= 0 && std::size_t(t) < tets;
   for (const HeldVertices::Held& item : c.held.all())
     fits = fits && item.vertex >= 0 && item.vertex < vertices &&
            (item.holder == HeldVertices::boundary || is_holder(item.holder));
   if (!fits) refuse();
+}
+
+}  // namespace
+
+template <class Real>
+Checkpoint<Real> World<Real>::save() const {
+  Checkpoint<Real> c;
+  c.setup = organ_.journal().setup;
+  c.history = organ_.journal().edits;
+  c.state = {body().motion.u.view(), body().motion.v.view(), time(), body().motion.velocity_lag};
+  c.held = held();
+  c.tools = tools_.state();
+  c.blades = organ_.blades().state();
+  c.pieces = organ_.pieces().state();
+  c.sleep = body().sleep.state();
+  c.unravelling = organ_.unravelling().state();
+  c.ratios = organ_.limit().ratios();
+  c.limit = organ_.limit().frame_limit();
+  c.limit.is_new = c.limit.is_new || !organ_.limit().holds(body());
+  c.nodes = body().regions.state(body().motion);
+  c.mass_degree = body().inertia.degree();
+  if (organ_.implicit()) c.acceleration = organ_.implicit()->acceleration(body().model);
+  c.pending = organ_.findings().conditions;
+  c.transitions = organ_.findings().transitions;
+  c.touch_expansion = organ_.touch_expansion();
+  for (const auto& term : body().terms) c.terms.push_back({term->name(), term->save()});
+  return c;
+}
+
+template <class Real>
+void World<Real>::restore(const Checkpoint<Real>& c) {
+  if (c.setup != organ_.journal().setup)
+    throw InputError("checkpoint", "is of another scene, mesh or version of them");
+  Organ<Real>::check(c.state);
+  try_added_terms(body().terms, c, elements().topology.vertex_count());
+  if (c.history != organ_.journal().edits) {  // removed tetrahedra do not come back
+    World fresh(organ_.initial_setup(), body().parallel.threads());
+    for (const JournalEntry& entry : c.history) fresh.organ_.repeat(entry);
+    check_fits(c, fresh.organ_);
+    fresh.organ_.take_surroundings(organ_);
+    *this = std::move(fresh);
+  }
+  check_fits(c, organ_);
+  take(c);
+}
+
+// Terms that an application has added belong to it. They are in the order of the checkpoint, in which their
+// forces are added. Those that are not in it come last and keep their state. Tools are shown from the moment
+// before on, as they have the speed with which they came.
+template <class Real>
+void World<Real>::load_terms(const Checkpoint<Real>& c) {
+  auto former = std::exchange(body().terms, {});
+  std::erase_if(former, [](const auto& term) { return find_kind_of_term<Real>(term->name()) != nullptr; });
+  for (const auto& entry : c.terms) {
+    const auto added = std::find_if(former.begin(), former.end(),
+                                    [&](const auto& term) { return term->name() == entry.name; });
+    if (added != former.end()) {
+      body().terms.push_back(std::move(*added));
+      former.erase(added);
+    }
+    ForceTerm<Real>& term =
+        find_kind_of_term<Real>(entry.name) ? organ_.own_term(entry.name) : *body().terms.back();
+    term.load(entry.saved, elements().topology.vertex_count());
+  }
+  std::move(former.begin(), former.end(), std::back_inserter(body().terms));
+  organ_.show_tools(tools_.bodies(time() - 2 * velocity_moment, time()));
+}
+
+template <class Real>
+void World<Real>::take(const Checkpoint<Real>& c) {
+  body().inertia.ask_for(c.mass_degree);
+  body().inertia.use(c.unravelling.is_lumped ? 1 : c.mass_degree);
+  set_state(c.state);
+  body().sleep.set_state(c.sleep);
+  organ_.unravelling().set_state(c.unravelling);
+  body().model.held = c.held;
+  organ_.take_nodes(c.nodes, c.state);
+  tools_.set_state(c.tools);
+  organ_.blades().set_state(c.blades);
+  organ_.pieces().set_state(c.pieces);
+  organ_.findings().conditions = c.pending;
+  organ_.findings().transitions = c.transitions;
+  organ_.touch_expansion() = c.touch_expansion;
+  load_terms(c);
+  for (Index v = 0; v < elements().topology.vertex_count(); ++v)
+    body().inertia.update_inverse(body().model, v);
+  organ_.show_body_anew();  // as the step limit has to do with the stiffness of terms
+  organ_.limit().set_ratios(c.ratios);
+  organ_.limit().set_frame_limit(c.limit, body());
+  if (organ_.implicit()) organ_.implicit()->set_acceleration(body().model, c.acceleration);
 }
 
 // ---- Files

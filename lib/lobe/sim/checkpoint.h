@@ -49,9 +49,6 @@ struct Checkpoint {
                  &Checkpoint::transitions, &Checkpoint::terms, &Checkpoint::touch_expansion);
 };
 
-// A digest of all that decides how a world moves: mesh, materials, regions, loads, tools …
-std::uint64_t fingerprint(const Setup& setup);
-
 // Writes and reads a checkpoint as a file. Reading throws InputError for a file that is damaged, cut off, of
 // another version or precision. World::restore() throws for a checkpoint of another setup.
 template <class Real>

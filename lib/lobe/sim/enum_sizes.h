@@ -2,8 +2,8 @@
 #pragma once
 
 #include "lobe/file/fields.h"
-#include "lobe/sim/left_out_fields.h"
-#include "lobe/sim/report.h"
+#include "lobe/organ/left_out_fields.h"
+#include "lobe/organ/report.h"
 #include "lobe/tool/tools.h"
 
 namespace lobe::io {

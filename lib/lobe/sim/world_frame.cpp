@@ -78,68 +78,25 @@ bool driven_are_finite(const HeldVertices& held, const StateColumns<Real>& state
   });
 }
 
-}  // namespace
-
-template <class Real>
-bool World<Real>::step(double dt) {
-  begin_frame(dt);
-  show_body();
-  tools_.begin_forces();
-  Report unread;
-  if (!take_step(dt, unread)) return false;
-  tools_.end_forces(dt);
-  return true;
-}
-
-// False if an implicit step was not solved.
-template <class Real>
-bool World<Real>::take_step(double dt, Report& report) {
-  if (!implicit_) {
-    const Timed timed(report, Phase::forces);
-    body_.find_forces();
-  }
-  const Timed timed(report, Phase::integration);
-  if (implicit_ && !implicit_step(dt)) return false;
-  if (!implicit_) move(dt);
-  ++report.steps;
-  return true;
-}
-
-// Returns false as soon as a step fails its checks.
-template <class Real>
-bool World<Real>::run_steps(int steps, double dt, bool first_try, Report& report) {
-  body_.sleep.begin_frame();
-  tools_.begin_forces();
-  for (Reversals* turns : {&body_.motion.reversals, &body_.motion.node_turns})
-    std::fill(turns->begin(), turns->end(), 0);
-  for (int i = 0; i < steps; ++i) {
-    if (!take_step(dt, report)) return false;
-    if (!implicit_ && is_in_trouble(dt, first_try)) return false;
-  }
-  tools_.end_forces(steps * dt);
-  return driven_are_finite(held(), body_.motion);
-}
-
 // Whether a vertex is not a number or moved further than an edge in one step. In a first try it also checks
 // for vertices that swing to and fro, ever faster, by more than a fiftieth of an edge. A body that really has
 // such high frequencies looks the same, so later tries skip this check.
 template <class Real>
-bool World<Real>::is_in_trouble(double dt, bool first_try) const {
-  const Speeds& speeds = body_.motion.speeds;
-  const double longest = body_.motion.longest_move;
+bool is_in_trouble(const Motion<Real>& motion, double dt, bool first_try) {
+  const Speeds& speeds = motion.speeds;
+  const double longest = motion.longest_move;
   if (!(speeds.fastest * dt < longest)) return true;
   return first_try && speeds.reversing * dt > 0.02 * longest;
 }
 
 // The vertex that is fastest or not a number, for messages.
 template <class Real>
-std::string World<Real>::culprit() const {
+std::string culprit(const Topology& topology, const Motion<Real>& motion) {
   Index worst = -1;
   double fastest = -1;
-  const Topology& topology = elements().topology;
   for (Index v = 0; v < topology.vertex_count(); ++v) {
     if (topology.around(v).empty()) continue;
-    const double speed = double(body_.motion.v.col(v).norm());
+    const double speed = double(motion.v.col(v).norm());
     if (speed <= fastest) continue;
     worst = v;
     fastest = speed;
@@ -150,24 +107,75 @@ std::string World<Real>::culprit() const {
          std::to_string(topology.around(worst).front()) + " was the fastest; ";
 }
 
-template <class Real>
-Report World<Real>::advance(double duration) {
+void check_duration(double duration) {
   if (!(duration > 0) || !std::isfinite(duration))
     throw InputError("advance", "the duration must be above 0 s and finite, not " + std::to_string(duration));
+}
+
+template <class Real>
+void go_back(const StateColumns<Real>& state, const Sleep::State& sleep, Dynamics<Real>& body) {
+  static_cast<StateColumns<Real>&>(body.motion) = state;
+  body.sleep.set_state(sleep);
+  body.state_was_replaced();
+  for (const auto& term : body.terms) term->take_back_steps();
+}
+
+}  // namespace
+
+template <class Real>
+bool World<Real>::step(double dt) {
+  begin_frame(dt);
+  organ_.show_body();
+  tools_.begin_forces();
+  Report unread;
+  if (!take_step(dt, unread)) return false;
+  tools_.end_forces(dt);
+  return true;
+}
+
+// False if an implicit step was not solved.
+template <class Real>
+bool World<Real>::take_step(double dt, Report& report) {
+  if (!organ_.implicit()) {
+    const Timed timed(report, Phase::forces);
+    body().find_forces();
+  }
+  const Timed timed(report, Phase::integration);
+  if (organ_.implicit() && !implicit_step(dt)) return false;
+  if (!organ_.implicit()) move(dt);
+  ++report.steps;
+  return true;
+}
+
+// Returns false as soon as a step fails its checks.
+template <class Real>
+bool World<Real>::run_steps(int steps, double dt, bool first_try, Report& report) {
+  body().sleep.begin_frame();
+  tools_.begin_forces();
+  for (Reversals* turns : {&body().motion.reversals, &body().motion.node_turns})
+    std::fill(turns->begin(), turns->end(), 0);
+  for (int i = 0; i < steps; ++i) {
+    if (!take_step(dt, report)) return false;
+    if (!organ_.implicit() && is_in_trouble(body().motion, dt, first_try)) return false;
+  }
+  tools_.end_forces(steps * dt);
+  return driven_are_finite(held(), body().motion);
+}
+
+template <class Real>
+Report World<Real>::advance(double duration) {
+  check_duration(duration);
   Report report;
-  const PatchCount before = body_.regions.patch_count();
+  const PatchCount before = body().regions.patch_count();
   const double end = time() + duration, shortest = 1e-9 * duration;
-  scalpels_.begin_frame();
+  organ_.blades().begin_frame();
   begin_frame(duration);
   while (report.ok && time() < end - shortest) {
     const double next = tools_.next_grasp_change(time() + shortest);
     advance_to(next < end - shortest ? next : end, report);
   }
-  const PatchCount after = body_.regions.patch_count();
-  report.patches_evaluated = after.evaluated - before.evaluated;
-  report.patches_skipped = after.skipped - before.skipped;
-  report.transitions = std::exchange(next_report_.transitions, {});
-  lobe_assert(body_.motion.u.count() == elements().topology.vertex_count(), "a vertex has no displacement");
+  organ_.report_frame(before, report);
+  lobe_assert(body().motion.u.count() == elements().topology.vertex_count(), "a vertex has no displacement");
   if constexpr (is_debug_build)
     if (report.tets_removed > 0 || report.cut_area > 0) validate(*this);
   return report;
@@ -176,51 +184,52 @@ Report World<Real>::advance(double duration) {
 template <class Real>
 void World<Real>::begin_frame(double duration) {
   tools_.begin_frame(time(), duration);
-  for (const auto& term : body_.terms) term->begin_frame(time(), duration);
-  show_tools(time(), time() + duration);
+  for (const auto& term : body().terms) term->begin_frame(time(), duration);
+  organ_.show_tools(tools_.bodies(time(), time() + duration));
 }
 
 // Performs edits, tools and cuts at the start of a frame, and finds the step limit that follows from them.
 template <class Real>
 void World<Real>::prepare_frame(double duration, Report& report) {
-  condense_anew();
-  refresh_terms();
-  if (!implicit_ && limit_.is_due(body_)) {
+  organ_.condense_anew();
+  organ_.refresh_terms();
+  if (!organ_.implicit() && organ_.limit().is_due(body())) {
     const Timed timed(report, Phase::time_step);
-    limit_.find_anew(body_);
-    limit_.measure_again(body_);
-    limit_.keep(body_);
-    unravel();
+    organ_.limit().find_anew(body());
+    organ_.limit().measure_again(body());
+    organ_.limit().keep(body());
+    organ_.unravel();
   }
   play_tools(duration, report);
-  show_body();
+  organ_.show_body();
   bool has_changed = false;
   {
     const Timed timed(report, Phase::cutting);
-    has_changed = embed();
+    has_changed = organ_.embed();
   }
-  if (has_changed) show_body();  // in which other vertices have masses now
+  if (has_changed) organ_.show_body();  // in which other vertices have masses now
   {
     const Timed timed(report, Phase::time_step);
-    report.time_step_limit = limit_.for_frame(body_);
-    if (slow_strained()) report.time_step_limit = limit_.for_frame(body_);
-    report.limiting_vertex = limit_.limiting_vertex();
+    report.time_step_limit = organ_.limit().for_frame(body());
+    if (organ_.slow_strained()) report.time_step_limit = organ_.limit().for_frame(body());
+    report.limiting_vertex = organ_.limit().limiting_vertex();
   }
-  const double ratio = limit_.volume_ratio();
+  const double ratio = organ_.limit().volume_ratio();
   report.smallest_volume_ratio = std::min(report.smallest_volume_ratio, ratio);
-  if (ratio < 0.05) report.conditions.push_back(near_inversion(ratio, limit_.volume_ratio_tet(), time()));
+  if (ratio < 0.05)
+    report.conditions.push_back(near_inversion(ratio, organ_.limit().volume_ratio_tet(), time()));
 }
 
 template <class Real>
 void World<Real>::advance_to(double end, Report& report) {
   const double duration = end - time();
-  const int transitions = next_report_.transitions.count;
+  const int transitions = organ_.findings().transitions.count;
   prepare_frame(duration, report);
-  const bool in_transition = next_report_.transitions.count != transitions;
+  const bool in_transition = organ_.findings().transitions.count != transitions;
   constexpr int most_steps = 1 << 20, most_tries = 9;
-  const double longest = !implicit_                 ? setup_.safety * report.time_step_limit
-                         : setup_.implicit_step > 0 ? setup_.implicit_step
-                                                    : duration;
+  const double longest = !organ_.implicit()                 ? organ_.setup().safety * report.time_step_limit
+                         : organ_.setup().implicit_step > 0 ? organ_.setup().implicit_step
+                                                            : duration;
   const double wanted = std::ceil(duration / longest * (1 - 1e-12));
   if (!(wanted <= most_steps)) {
     report.ok = false;
@@ -228,39 +237,39 @@ void World<Real>::advance_to(double end, Report& report) {
     return;
   }
   int steps = std::max(1, static_cast<int>(wanted));
-  for (const auto& term : body_.terms) term->begin_steps();
-  StateColumns<Real> start = body_.motion;
-  const Sleep::State sleep_at_start = body_.sleep.state();
+  for (const auto& term : body().terms) term->begin_steps();
+  StateColumns<Real> start = body().motion;
+  const Sleep::State sleep_at_start = body().sleep.state();
   double step = 0;
   std::string fastest;
   for (int attempt = 0; attempt < most_tries && steps <= most_steps; ++attempt) {
     step = duration / steps;
     const bool done = run_steps(steps, step, attempt == 0, report);
     std::vector<Index> unseen;
-    if (done && !body_.terms.empty()) unseen = body_.regions.pressed_unseen(body_.motion);
+    if (done && !body().terms.empty()) unseen = body().regions.pressed_unseen(body().motion);
     double limit_after = std::numeric_limits<double>::infinity();
-    if (done && !implicit_) {
+    if (done && !organ_.implicit()) {
       const Timed timed(report, Phase::time_step);
-      limit_after = limit_.at_end(body_);
+      limit_after = organ_.limit().at_end(body());
     }
     // If the body has become too stiff for the step that was taken, it may have begun to swing.
     if (done && ((step <= limit_after && unseen.empty()) || attempt == most_tries - 1)) {
-      if (!unseen.empty()) notice(Condition::Kind::lost_force, lost_on_lattice(unseen.front()));
-      body_.motion.time = end;
+      if (!unseen.empty()) organ_.notice(Condition::Kind::lost_force, lost_on_lattice(unseen.front()));
+      body().motion.time = end;
       report.time_step = report.time_step > 0 ? std::min(report.time_step, step) : step;
       if (attempt > 0) report.conditions.push_back(sub_stepped(attempt + 1, steps, start.time));
       return;
     }
-    fastest = culprit();
-    go_back(start, sleep_at_start);
+    fastest = culprit(elements().topology, body().motion);
+    go_back(start, sleep_at_start, body());
     ++report.reruns;
     if (!unseen.empty()) {  // the frame is run again, in which they move by themselves
-      embed(unseen);
-      show_body();
-      start = body_.motion;
-      limit_after = std::min(limit_after, limit_.for_frame(body_));
+      organ_.embed(unseen);
+      organ_.show_body();
+      start = body().motion;
+      limit_after = std::min(limit_after, organ_.limit().for_frame(body()));
     }
-    const double wanted_now = std::min<double>(duration / (setup_.safety * limit_after), most_steps);
+    const double wanted_now = std::min<double>(duration / (organ_.setup().safety * limit_after), most_steps);
     const bool may_snap = in_transition && attempt == 0;
     const int more = static_cast<int>(std::ceil((may_snap ? more_for_snap : 2) * steps));
     steps = unseen.empty() ? std::max(more, static_cast<int>(wanted_now))
@@ -269,43 +278,6 @@ void World<Real>::advance_to(double end, Report& report) {
   report.ok = false;
   report.time_step = step;
   report.conditions.push_back(diverged(step, fastest, time()));
-}
-
-template <class Real>
-void World<Real>::go_back(const StateColumns<Real>& state, const Sleep::State& sleep) {
-  static_cast<StateColumns<Real>&>(body_.motion) = state;
-  body_.sleep.set_state(sleep);
-  body_.state_was_replaced();
-  for (const auto& term : body_.terms) term->take_back_steps();
-}
-
-// Takes the result of condensing when it is due, and waits for it if necessary, so that a run has the same
-// bits on every machine.
-template <class Real>
-void World<Real>::condense_anew() {
-  constexpr double delay = 1;  // [s]
-  if (body_.regions.is_condensing() && time() >= body_.regions.condensing_due())
-    end_condensing();
-  else if (body_.regions.needs_condensing())
-    begin_condensing({time() + delay});
-}
-
-// Unravels tetrahedra that stay crushed. The search for the step limit has found the smallest det F.
-template <class Real>
-void World<Real>::unravel() {
-  if (elements().guard_below == 0) return;
-  const bool was_lumped = unravelling_.is_lumped();
-  unravelling_.lump(body_, limit_.volume_ratio());
-  if (unravelling_.is_lumped() != was_lumped)
-    notice(Condition::Kind::lumped, was_lumped
-                                        ? "nothing is crushed any more: masses are selective again"
-                                        : "tetrahedra are crushed: masses are lumped until they are not");
-  use_mass_degree(unravelling_.is_lumped() ? 1 : body_.inertia.degree());
-  const auto was_held = [&](Index tet) { return pieces_.was_held(tet); };
-  const auto remedy = unravelling_.look(body_, limit_.volume_ratio(), was_held);
-  if (!remedy) return;
-  notice(Condition::Kind::unravelling, remedy->why);
-  change_region(remedy->tets, remedy->model);
 }
 
 template <class Real>
@@ -318,39 +290,26 @@ void World<Real>::play_tools(double duration, Report& report) {
            !(grains() && !grains()->fills(v, elements()));
   };
   HeldVertices now = held();
-  if (tools_.update_grasps(time(), now, displacement, position, exists)) {
-    synchronise_velocities();
-    hold(now);
-    report.tets_removed += treat_loose(pieces_.loosened(body_.model));
-  }
+  if (tools_.update_grasps(time(), now, displacement, position, exists))
+    report.tets_removed += organ_.grasp(now);
   const ToolWork work = tools_.work(time(), time() + duration);
-  for (const SweptVolume& volume : work.burnt) {
-    std::vector<Index> burnt = meeting(volume);
-    if (grains()) scalpels_.keep_filled(volume, elements(), body_now(), burnt);
-    report.tets_removed += remove_tets(burnt);
-  }
-  for (const BladeMove& move : work.cuts) incise(move, report);
-  scalpels_.end_strokes();
-  report.mass_added = body_.inertia.mass_of_floor();
-  std::vector<Condition>& found = next_report_.conditions;
+  for (const SweptVolume& volume : work.burnt) report.tets_removed += organ_.burn(volume);
+  for (const BladeMove& move : work.cuts) cut(move, report);
+  organ_.blades().end_strokes();
+  report.mass_added = body().inertia.mass_of_floor();
+  std::vector<Condition>& found = organ_.findings().conditions;
   report.conditions.insert(report.conditions.end(), found.begin(), found.end());
   found.clear();
 }
 
-// Computes where vertices are that follow others, before a tool searches them. How far they have moved is not
-// known.
 template <class Real>
-void World<Real>::see_interior() {
-  if (!body_.regions.any_following() || seen_ == body_.model.revisions) return;
-  ++body_.model.revisions.jumps;
-  state();
-  seen_ = body_.model.revisions;
-}
-
-template <class Real>
-std::vector<Index> World<Real>::meeting(const SweptVolume& volume) {
-  see_interior();
-  return tools_.meeting(body_.model, body_.motion.u.padded(), volume);
+void World<Real>::cut(const BladeMove& move, Report& report) {
+  const typename Organ<Real>::Cut made = organ_.cut(move);
+  for (const BladeWork::Step& step : made.steps)
+    tools_.cut_by(move.tool, work_of(step.incised, elements()), step.incised.way, step.tip);
+  report.cut_area += made.area;
+  report.tets_copied += made.copied;
+  report.tets_removed += made.removed;
 }
 
 }  // namespace lobe

@@ -9,6 +9,7 @@
 
 #include "lobe/cut/tet_groups.h"
 #include "lobe/scalpel/blades.h"
+#include "lobe/scalpel/cut_work.h"
 #include "lobe/setup/exclusions.h"
 #include "lobe/tool/paths.h"
 
@@ -49,12 +50,6 @@ struct PlacedTool {
 
 // The vertices that a tool holds, and where they are [m].
 using HeldPoints = std::function<std::vector<std::pair<Index, Vec3d>>(ToolId)>;
-
-// The work of a blade in one step.
-struct CutWork {
-  double energy = 0;             // [J]
-  Vec3d moment = Vec3d::Zero();  // energy times place, summed over the opened faces [J m]
-};
 
 // What tools do to the body between two times.
 struct ToolWork {

@@ -57,16 +57,6 @@ class Tools {
   ToolWork work(double from, double to) const;
   // The rigid bodies with which tools touch the organ between two times. Valid until tools change.
   const std::vector<ToolBody>& bodies(double from, double to);
-  // The tetrahedra that meet a volume, in ascending order. u: 3 × at least #vertices [m].
-  template <class Real>
-  std::vector<Index> meeting(const Model& model, const Mat3X<Real>& u, const SweptVolume& volume) {
-    if (std::exchange(jumps_, model.revisions.jumps) != model.revisions.jumps) groups_.forget();
-    return groups_.meeting(model.elements.topology, model.elements.points.padded(), u, volume);
-  }
-  void add_copies(const std::vector<TetCopy>& copies) {
-    for (const TetCopy& tet_copy : copies) groups_.add_copy(tet_copy.tet, tet_copy.copy);
-  }
-
   void cut_by(ToolId scalpel, const CutWork& work, const Vec3d& way, const Vec3d& tip);
 
   // ---- A step
@@ -82,9 +72,6 @@ class Tools {
   void add_force(ToolId holder, const Vec3d& force, const Vec3d& x, double dt);
   void add_force(const OnTool& on_tool, double dt);
   void end_forces(double duration);  // of the part [s]; the means are then those from the frame's start
-
-  // One more step was made, in which no vertex moved further than `distance` [m] apart from rounding.
-  void moved(double distance, double rounding) { groups_.moved(distance, rounding); }
 
   // ---- For checkpoints
 
@@ -144,8 +131,6 @@ class Tools {
   std::vector<Impulse> impulses_, impulses_of_part_;  // since the start of the frame, and of the present part
   double time_felt_ = 0;                              // in which impulses_ were found [s]
   std::vector<ToolBody> bodies_;
-  TetGroups groups_;
-  std::uint64_t jumps_ = 0;  // of Revisions, that groups_ knows
 };
 
 template <class Bring>

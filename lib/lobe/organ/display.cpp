@@ -1,4 +1,4 @@
-#include "lobe/sim/display.h"
+#include "lobe/organ/display.h"
 
 #include <numeric>
 

@@ -1,13 +1,12 @@
-// Cuts of a World, and how its parts follow an edit around what changed.
+// Cuts of an Organ, and how its parts follow an edit around what changed.
 #include <algorithm>
 #include <cmath>
 
 #include "lobe/assert.h"
 #include "lobe/condense/supports.h"
 #include "lobe/error.h"
-#include "lobe/sim/hinges.h"
-#include "lobe/sim/validate.h"
-#include "lobe/sim/world.h"
+#include "lobe/organ/hinges.h"
+#include "lobe/organ/organ.h"
 #include "lobe/sort_unique.h"
 
 namespace lobe {
@@ -63,16 +62,10 @@ std::vector<FaceLoad> loads_of_parts(const std::vector<FaceLoad>& loads, const D
 
 }  // namespace
 
-template <class Real>
-void World<Real>::apply(const Command& command) {
-  std::visit([&](const auto& any) { perform(any); }, command);
-  if constexpr (is_debug_build) validate(*this);
-}
-
 // ---- Cuts
 
 template <class Real>
-Index World<Real>::remove_tets(const std::vector<Index>& tets) {
+Index Organ<Real>::remove_tets(const std::vector<Index>& tets) {
   check_tets(tets);
   if (std::none_of(tets.begin(), tets.end(), [&](Index t) { return elements().topology.alive(t); })) return 0;
   free_ahead(tets);
@@ -87,27 +80,26 @@ Index World<Real>::remove_tets(const std::vector<Index>& tets) {
 }
 
 template <class Real>
-MeshEdit World<Real>::cut(const std::vector<Index>& tets) {
-  synchronise_velocities();
-  state();
+MeshEdit Organ<Real>::cut(const std::vector<Index>& tets) {
+  synchronise();
   MeshEdit edit = body_.model.elements.topology.remove(tets);
   if (edit.empty()) return edit;
-  scalpels_.forget(edit.removed);
+  blades_.forget(edit.removed);
   follow(edit);
   journal_.edits.push_back(RemoveTets{edit.removed});
   return edit;
 }
 
 template <class Real>
-void World<Real>::follow(const MeshEdit& edit) {
+void Organ<Real>::follow(const MeshEdit& edit) {
   Elements& elements = body_.model.elements;
   Motion<Real>& motion = body_.motion;
-  scalpels_.forget_prepared();
+  blades_.forget_prepared();
   const Index before = motion.u.count();
   const std::vector<double> shares_before = shares_of(elements, edit);
   elements.follow(edit);
   pieces_.follow(edit);
-  tools_.add_copies(edit.copies);
+  for (const TetCopy& copy : edit.copies) groups_.add_copy(copy.tet, copy.copy);
   motion.extend(elements.topology.vertex_count());
   for (const VertexSplit& split : edit.splits) {
     lobe_assert(split.copy >= before && split.copy < motion.u.count(),
@@ -118,8 +110,8 @@ void World<Real>::follow(const MeshEdit& edit) {
     body_.inertia.copy(split.vertex, split.copy);
   }
   if (!edit.shares.empty()) {
-    scalpels_.hold_what_is_filled(edit, body_.model);
-    scalpels_.share_loads(edit, elements, body_.loads.dead_loads());
+    blades_.hold_what_is_filled(edit, body_.model);
+    blades_.share_loads(edit, elements, body_.loads.dead_loads());
   }
   limit_.follow(body_, edit, shares_before);
   follow_with_surface(edit);
@@ -130,7 +122,7 @@ void World<Real>::follow(const MeshEdit& edit) {
 
 // Treats loose pieces as the setup says. Returns how many tetrahedra vanished.
 template <class Real>
-Index World<Real>::treat_loose(const std::vector<std::vector<Index>>& pieces) {
+Index Organ<Real>::treat_loose(const std::vector<std::vector<Index>>& pieces) {
   Index vanished = 0;
   for (const std::vector<Index>& piece : pieces) {
     notice(Condition::Kind::pieces, std::to_string(piece.size()) + " tetrahedra came loose");
@@ -150,7 +142,7 @@ Index World<Real>::treat_loose(const std::vector<std::vector<Index>>& pieces) {
 }
 
 template <class Real>
-void World<Real>::freeze(const std::vector<Index>& piece) {
+void Organ<Real>::freeze(const std::vector<Index>& piece) {
   body_.recover_embedded();
   std::vector<Index> vertices;
   for (Index t : piece)
@@ -165,7 +157,7 @@ void World<Real>::freeze(const std::vector<Index>& piece) {
 }
 
 template <class Real>
-void World<Real>::check_tets(const std::vector<Index>& tets) const {
+void Organ<Real>::check_tets(const std::vector<Index>& tets) const {
   for (Index t : tets)
     if (t < 0 || t >= elements().topology.tet_count())
       throw InputError("tetrahedron " + std::to_string(t),
@@ -176,7 +168,7 @@ void World<Real>::check_tets(const std::vector<Index>& tets) const {
 
 // Every part follows an edit, in this order.
 template <class Real>
-void World<Real>::follow(RegionEdit edit) {
+void Organ<Real>::follow(RegionEdit edit) {
   add_unsupported(edit);
   body_.regions.follow(elements(), edit);
   update_vertices_apart(edit.vertices);
@@ -201,7 +193,7 @@ void World<Real>::follow(RegionEdit edit) {
 // Adds parts of the pre-computed region that nothing holds in place after an edit. They will turn, so they
 // become non-linear.
 template <class Real>
-void World<Real>::add_unsupported(RegionEdit& edit) {
+void Organ<Real>::add_unsupported(RegionEdit& edit) {
   if (std::none_of(edit.left.begin(), edit.left.end(),
                    [&](Index t) { return body_.regions.is_condensed(t); }))
     return;
@@ -219,14 +211,14 @@ void World<Real>::add_unsupported(RegionEdit& edit) {
 // Computes masses and loads of these vertices from the tetrahedra around them, as if nothing were condensed
 // and nothing followed a lattice. take_over() must follow, unless nothing of a region is condensed there.
 template <class Real>
-void World<Real>::update_masses(const std::vector<Index>& vertices) {
+void Organ<Real>::update_masses(const std::vector<Index>& vertices) {
   body_.inertia.update(body_.model, vertices);
   body_.loads.update(elements(), vertices, [this](Index v) { return body_.inertia.weighs(v); });
 }
 
 // In the middle of an edit, which the condensed region has not followed yet.
 template <class Real>
-void World<Real>::update_vertices_apart(const std::vector<Index>& vertices) {
+void Organ<Real>::update_vertices_apart(const std::vector<Index>& vertices) {
   const Topology& topology = elements().topology;
   body_.motion.extend(topology.vertex_count());
   body_.sleep.extend(topology.vertex_count(), time());
@@ -239,14 +231,14 @@ void World<Real>::update_vertices_apart(const std::vector<Index>& vertices) {
 }
 
 template <class Real>
-void World<Real>::update_vertices(const std::vector<Index>& vertices) {
+void Organ<Real>::update_vertices(const std::vector<Index>& vertices) {
   update_vertices_apart(vertices);
   take_over(vertices);
 }
 
 // Call it when masses of vertices have changed, or what holds them.
 template <class Real>
-void World<Real>::update_inverse_masses(const std::vector<Index>& vertices) {
+void Organ<Real>::update_inverse_masses(const std::vector<Index>& vertices) {
   for (Index v : vertices) {
     body_.inertia.update_inverse(body_.model, v);
     limit_.update(body_, v);
@@ -255,7 +247,7 @@ void World<Real>::update_inverse_masses(const std::vector<Index>& vertices) {
 
 // Of these vertices, those of a condensed region get the masses and loads with which it moves.
 template <class Real>
-void World<Real>::take_over(const std::vector<Index>& vertices) {
+void Organ<Real>::take_over(const std::vector<Index>& vertices) {
   const std::vector<Index> taken =
       body_.regions.take_over(elements(), vertices, body_.inertia.masses(), body_.loads);
   body_.inertia.raise_to_floor(body_.model, taken);
@@ -264,7 +256,7 @@ void World<Real>::take_over(const std::vector<Index>& vertices) {
 
 // The condensed region has changed, and carries other masses everywhere at its interface.
 template <class Real>
-void World<Real>::find_carried() {
+void Organ<Real>::find_carried() {
   body_.regions.find_carried(elements());
   take_over(body_.regions.shared());
 }
@@ -272,7 +264,7 @@ void World<Real>::find_carried() {
 // ---- The present body
 
 template <class Real>
-Setup World<Real>::current_setup(CompactMesh& c) const {
+Setup Organ<Real>::current_setup(CompactMesh& c) const {
   const Elements& body = elements();
   c = compact(body.topology, body.points.view(), body.labels);
   Setup setup = setup_;

@@ -1,4 +1,4 @@
-#include "lobe/sim/hinges.h"
+#include "lobe/organ/hinges.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>

@@ -1,4 +1,4 @@
-#include "lobe/sim/kinds_of_terms.h"
+#include "lobe/organ/kinds_of_terms.h"
 
 #include <algorithm>
 

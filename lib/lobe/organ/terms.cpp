@@ -1,12 +1,12 @@
-// What acts on a World from outside: tools, what is held, and forces.
+// What acts on an Organ from outside: tools, what is held, and forces.
 #include <algorithm>
 #include <utility>
 
 #include "lobe/contact/softening.h"
 #include "lobe/error.h"
+#include "lobe/organ/kinds_of_terms.h"
+#include "lobe/organ/organ.h"
 #include "lobe/setup/exclusions.h"
-#include "lobe/sim/kinds_of_terms.h"
-#include "lobe/sim/world.h"
 #include "lobe/sort_unique.h"
 
 namespace lobe {
@@ -15,7 +15,7 @@ namespace lobe {
 
 // Vertices were grasped or released.
 template <class Real>
-void World<Real>::hold(const HeldVertices& now) {
+void Organ<Real>::hold(const HeldVertices& now) {
   const Index vertices = elements().topology.vertex_count();
   if (!std::all_of(now.all().begin(), now.all().end(),
                    [&](const HeldVertices::Held& item) { return item.is_valid() && item.vertex < vertices; }))
@@ -35,12 +35,17 @@ void World<Real>::hold(const HeldVertices& now) {
     change();
 }
 
+template <class Real>
+Index Organ<Real>::grasp(const HeldVertices& held) {
+  synchronise_velocities();
+  hold(held);
+  return treat_loose(pieces_.loosened(body_.model));
+}
+
 // ---- Forces
 
-// A term of a kind that the world makes by itself. It exists from the first call on. Forces of terms are
-// added in one order, whichever exist: those of these kinds first, in the order of the kinds.
 template <class Real>
-ForceTerm<Real>& World<Real>::own_term(std::string_view name) {
+ForceTerm<Real>& Organ<Real>::own_term(std::string_view name) {
   auto place = body_.terms.begin();
   for (const KindOfTerm<Real>& kind : kinds_of_terms<Real>()) {
     const bool is_there = place != body_.terms.end() && (*place)->name() == kind.name;
@@ -56,14 +61,12 @@ ForceTerm<Real>& World<Real>::own_term(std::string_view name) {
 }
 
 template <class Real>
-AppliedForces<Real>& World<Real>::applied() {
+AppliedForces<Real>& Organ<Real>::applied() {
   return static_cast<AppliedForces<Real>&>(own_term(AppliedForces<Real>::term_name));
 }
 
-// Shows force terms the tools that exist between two times.
 template <class Real>
-void World<Real>::show_tools(double from, double until) {
-  const std::vector<ToolBody>& bodies = tools_.bodies(from, until);
+void Organ<Real>::show_tools(std::span<const ToolBody> bodies) {
   for (const KindOfTerm<Real>& kind : kinds_of_terms<Real>())
     if (kind.is_needed(setup_, bodies)) own_term(kind.name);
   bool others = false;
@@ -72,7 +75,7 @@ void World<Real>::show_tools(double from, double until) {
 }
 
 template <class Real>
-void World<Real>::show_body() {
+void Organ<Real>::show_body() {
   for (std::size_t i = 0; i < body_.terms.size(); ++i) {
     ForceTerm<Real>& term = *body_.terms[i];
     if (!term.needs_body()) continue;
@@ -83,10 +86,10 @@ void World<Real>::show_body() {
 }
 
 template <class Real>
-void World<Real>::show_body_to(ForceTerm<Real>& term) {
+void Organ<Real>::show_body_to(ForceTerm<Real>& term) {
   body_.recover_embedded();
   BodyView body{.model = body_.model,
-                .surface = surface().mesh(),
+                .surface = display_.surface(elements(), grains()).mesh(),
                 .mass = body_.inertia.mass(),
                 .omega = limit_.omega_at_rest(body_),
                 .lumped_omega = limit_.lumped_omega_at_rest(body_),
@@ -97,10 +100,8 @@ void World<Real>::show_body_to(ForceTerm<Real>& term) {
   shown_ = now_shown();
 }
 
-// Before terms are asked for forces or stiffness: they see the body that edits have left since they saw it,
-// as those of a restored world do.
 template <class Real>
-void World<Real>::refresh_terms() {
+void Organ<Real>::refresh_terms() {
   if (shown_ == now_shown()) return;
   for (const auto& term : body_.terms)
     if (term->needs_body()) show_body_to(*term);
@@ -108,7 +109,7 @@ void World<Real>::refresh_terms() {
 
 // Of contact, at the present degree of selective masses.
 template <class Real>
-double World<Real>::softening() {
+double Organ<Real>::softening() {
   const int degree = body_.inertia.degree_now();
   double& known = softening_[degree];
   if (known > 0) return known;
@@ -123,7 +124,7 @@ double World<Real>::softening() {
 
 // True if something has changed.
 template <class Real>
-bool World<Real>::follow_touch(const std::vector<Index>& touched) {
+bool Organ<Real>::follow_touch(const std::vector<Index>& touched) {
   const auto interior =
       std::find_if(touched.begin(), touched.end(), [&](Index v) { return body_.regions.is_interior(v); });
   switch (touch_expansion_.follow(body_.regions, interior != touched.end(), time())) {
@@ -143,7 +144,7 @@ bool World<Real>::follow_touch(const std::vector<Index>& touched) {
 }
 
 template <class Real>
-void World<Real>::add(std::shared_ptr<ForceTerm<Real>> term) {
+void Organ<Real>::add(std::shared_ptr<ForceTerm<Real>> term) {
   refuse_excluded(Option::force_terms, options_of(setup_), "force term");
   const bool is_known = std::any_of(body_.terms.begin(), body_.terms.end(),
                                     [&](const auto& present) { return present->name() == term->name(); });
@@ -155,7 +156,7 @@ void World<Real>::add(std::shared_ptr<ForceTerm<Real>> term) {
 }
 
 template <class Real>
-void World<Real>::perform(const SetForces& command) {
+void Organ<Real>::perform(const SetForces& command) {
   AppliedForces<Real>().set(command.forces,
                             elements().topology.vertex_count());  // throws before anything changes
   const std::vector<Index> before = body_.woken_by_terms();
@@ -165,7 +166,7 @@ void World<Real>::perform(const SetForces& command) {
 }
 
 template <class Real>
-void World<Real>::perform(const SetSprings& command) {
+void Organ<Real>::perform(const SetSprings& command) {
   refuse_excluded(Option::force_terms, options_of(setup_), "springs");
   AppliedForces<Real>().set(command.springs,
                             elements().topology.vertex_count());  // throws before anything changes
@@ -177,7 +178,7 @@ void World<Real>::perform(const SetSprings& command) {
 
 // Without a term there is no spring: an empty one says so before anything changes.
 template <class Real>
-void World<Real>::perform(const MoveSprings& command) {
+void Organ<Real>::perform(const MoveSprings& command) {
   const auto is_applied = [](const auto& term) { return term->name() == AppliedForces<Real>::term_name; };
   if (std::none_of(body_.terms.begin(), body_.terms.end(), is_applied))
     AppliedForces<Real>().move(command.points);
@@ -186,7 +187,7 @@ void World<Real>::perform(const MoveSprings& command) {
 
 // Wakes the vertices that the terms wake now or woke before. The step limit changes with their stiffness.
 template <class Real>
-void World<Real>::terms_have_changed(const std::vector<Index>& woken_before) {
+void Organ<Real>::terms_have_changed(const std::vector<Index>& woken_before) {
   body_.sleep.wake(woken_before, body_);
   body_.sleep.wake(body_.woken_by_terms(), body_);
   ++body_.model.revisions.terms;
@@ -197,7 +198,7 @@ void World<Real>::terms_have_changed(const std::vector<Index>& woken_before) {
 
 // Reports forces on the interior of a condensed region. It follows its interface, so they have no effect.
 template <class Real>
-void World<Real>::report_lost_forces(const std::vector<Index>& vertices) {
+void Organ<Real>::report_lost_forces(const std::vector<Index>& vertices) {
   for (Index v : vertices)
     if (body_.regions.is_interior(v) && body_.regions.follows(v))
       return notice(

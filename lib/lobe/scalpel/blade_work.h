@@ -7,11 +7,11 @@
 
 #include "lobe/body/model.h"
 #include "lobe/scalpel/blades.h"
-#include "lobe/tool/tool_pose.h"
+#include "lobe/scalpel/cut_work.h"
 
 namespace lobe {
 
-class Scalpels {
+class BladeWork {
  public:
   const Grains* grains() const { return blades_ ? &blades_->grains : nullptr; }  // null: no blade has cut
   Grains* grains() { return blades_ ? &blades_->grains : nullptr; }

@@ -52,7 +52,7 @@ struct Transitions {
       std::tuple(&Transitions::count, &Transitions::kinetic, &Transitions::elastic, &Transitions::loads);
 };
 
-struct NextReport {  // what edits have found since the last one
+struct Findings {  // what edits have found since the last report
   std::vector<Condition> conditions;
   Transitions transitions;
   bool in_transition = false;  // energies are compared around one

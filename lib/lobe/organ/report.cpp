@@ -1,4 +1,4 @@
-#include "lobe/sim/report.h"
+#include "lobe/organ/report.h"
 
 namespace lobe {
 

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "lobe/sim/command.h"
+#include "lobe/organ/edit.h"
 
 namespace lobe {
 
@@ -71,9 +71,12 @@ class History {
   static constexpr auto fields = std::tuple(&History::entries_);
 };
 
+// A digest of all that decides how a world moves: mesh, materials, regions, loads, tools …
+std::uint64_t fingerprint(const Setup& setup);
+
 // What a world was built from, and what has been done since.
 struct Journal {
-  std::uint64_t setup = 0;  // fingerprint() of all that it was built from (checkpoint.h)
+  std::uint64_t setup = 0;  // fingerprint() of all that it was built from
   History edits;            // BeginCondensing and EndCondensing are Superseded, except the last ones
 };
 

@@ -1,28 +1,26 @@
-// Blades in a World.
+// Blades in an Organ.
 #include <algorithm>
 #include <cmath>
 
+#include "lobe/organ/hinges.h"
+#include "lobe/organ/organ.h"
 #include "lobe/scalpel/grain_cells.h"
-#include "lobe/sim/checkpoint.h"
-#include "lobe/sim/hinges.h"
 
 namespace lobe {
 
-// Makes ahead of the first cut, because it takes longer than a frame: the grains, the groups of tetrahedra
-// for its search, and what the mass floor needs.
 template <class Real>
-void World<Real>::prepare_blades() {
-  if (!scalpels_.prepare(elements())) return;
-  tools_.meeting(body_.model, body_.motion.u.padded(), {});
+void Organ<Real>::prepare_blades() {
+  if (!blades_.prepare(elements())) return;
+  meeting_as_seen({});
   if (has_floor()) body_.inertia.prepare_floor(elements());
 }
 
 // Called before each cut by a blade.
 template <class Real>
-void World<Real>::start_blades() {
+void Organ<Real>::start_blades() {
   if (grains()) return;
   prepare_blades();
-  scalpels_.start();
+  blades_.start();
   begin_floor();
   journal_.edits.push_back(Incise{});
   display_.rebuild(elements(), grains());
@@ -31,7 +29,7 @@ void World<Real>::start_blades() {
 // Sets the mass floor, so that the stable step of the cut body is not much shorter than that of the whole
 // one.
 template <class Real>
-void World<Real>::begin_floor() {
+void Organ<Real>::begin_floor() {
   const double omega = limit_.highest_at_rest();
   if (!has_floor() || body_.inertia.floor().square > 0 || !(omega > 0)) return;
   const double highest = omega / setup_.cut_step;
@@ -39,7 +37,7 @@ void World<Real>::begin_floor() {
 }
 
 template <class Real>
-Blades::BodyNow World<Real>::body_now() {
+Blades::BodyNow Organ<Real>::body_now() {
   see_interior();
   const auto placement = [this](Index t) {
     const Elements& body = elements();
@@ -49,9 +47,7 @@ Blades::BodyNow World<Real>::body_now() {
     const Vec3d start = body.points.col(corners[0]);
     return Placement{start, start + u.col(0), Mat3<double>::Identity() + displacement_gradient(u, alpha)};
   };
-  const auto tets_in = [this](const SweptVolume& volume) {
-    return tools_.meeting(body_.model, body_.motion.u.padded(), volume);
-  };
+  const auto tets_in = [this](const SweptVolume& volume) { return meeting_as_seen(volume); };
   const auto corners = [this](Index t) {
     const Eigen::Vector4i v = elements().topology.corners(t);
     return Mat34<double>(elements().corner_points(t) +
@@ -62,15 +58,15 @@ Blades::BodyNow World<Real>::body_now() {
 
 // Grains are cut step by step. Tetrahedra are divided once, after the last step.
 template <class Real>
-void World<Real>::incise(const BladeMove& move, Report& report) {
+typename Organ<Real>::Cut Organ<Real>::cut(const BladeMove& move) {
   start_blades();
-  const BladeMove whole = scalpels_.whole(move, body_now());
+  const BladeMove whole = blades_.whole(move, body_now());
   make_way(whole);
+  Cut made{blades_.cut(whole, body_now())};
   Index crumbs = 0;
   std::vector<Index> opened;
   std::vector<Incision> incisions;
-  const std::vector<Scalpels::Step> steps = scalpels_.cut(whole, body_now());
-  for (const Scalpels::Step& step : steps) {
+  for (const BladeWork::Step& step : made.steps) {
     const Incised& incised = step.incised;
     if (incised.refused > 0)
       notice(Condition::Kind::scalpel, std::to_string(incised.refused) +
@@ -78,30 +74,38 @@ void World<Real>::incise(const BladeMove& move, Report& report) {
                                            std::to_string(most_grains) + " grains");
     crumbs += incised.crumbs;
     opened.insert(opened.end(), incised.opened.begin(), incised.opened.end());
-    report.cut_area += incised.area;
-    tools_.cut_by(move.tool, work_of(incised, elements()), incised.way, step.tip);
-    for (const Incision* made : {&incised.caught_up, &incised.incision})
-      if (!made->empty()) incisions.push_back(*made);
+    made.area += incised.area;
+    for (const Incision* incision : {&incised.caught_up, &incised.incision})
+      if (!incision->empty()) incisions.push_back(*incision);
   }
-  for (const std::string& text : scalpels_.unfit(move, !incisions.empty(), elements(), body_now()))
+  for (const std::string& text : blades_.unfit(move, !incisions.empty(), elements(), body_now()))
     notice(Condition::Kind::scalpel, text);
-  if (steps.empty()) notice(Condition::Kind::scalpel, "more than 32 blades cut at once: one waits");
+  if (made.steps.empty()) notice(Condition::Kind::scalpel, "more than 32 blades cut at once: one waits");
   if (!incisions.empty()) {
     journal_.edits.push_back(Incise{std::move(incisions)});
     const MeshEdit edit = divide(opened);
-    report.tets_copied += static_cast<Index>(edit.copies.size());
-    report.tets_removed += settle(edit);
+    made.copied = static_cast<Index>(edit.copies.size());
+    made.removed = settle(edit);
   }
   if (crumbs > 0)
     notice(Condition::Kind::scalpel, std::to_string(crumbs) +
                                          " crumbs stay attached by a face each, since they are "
                                          "below a thousandth of a tetrahedron; nothing to do");
+  return made;
+}
+
+template <class Real>
+Index Organ<Real>::burn(const SweptVolume& volume) {
+  see_interior();
+  std::vector<Index> burnt = meeting_as_seen(volume);
+  if (grains()) blades_.keep_filled(volume, elements(), body_now(), burnt);
+  return remove_tets(burnt);
 }
 
 // To edit a condensed region costs milliseconds per tetrahedron. So an expandable one is expanded before a
 // blade reaches it. Reduced tetrahedra near the blade become non-linear.
 template <class Real>
-void World<Real>::make_way(const BladeMove& move) {
+void Organ<Real>::make_way(const BladeMove& move) {
   const Regions<Real>& regions = body_.regions;
   if (!regions.heeds_blades()) return;
   Eigen::AlignedBox3d box(move.from.tip);
@@ -115,14 +119,15 @@ void World<Real>::make_way(const BladeMove& move) {
 
 // Divides these tetrahedra where faces next to them were opened.
 template <class Real>
-MeshEdit World<Real>::divide(const std::vector<Index>& opened) {
+MeshEdit Organ<Real>::divide(const std::vector<Index>& opened) {
   if (opened.empty()) {
     follow_with_surface({});
     return {};
   }
-  state();  // velocities stay half a step old: the next step has the forces of the cut body
+  // Velocities stay half a step old: the next step has the forces of the cut body.
+  body_.recover(Regions<Real>::Interior::all);
   Topology& topology = body_.model.elements.topology;
-  MeshEdit edit = topology.divide(scalpels_.parts_of(topology, opened));
+  MeshEdit edit = topology.divide(blades_.parts_of(topology, opened));
   if (edit.empty())
     follow_with_surface(edit);  // faces were opened, but nothing has come apart yet
   else
@@ -131,13 +136,13 @@ MeshEdit World<Real>::divide(const std::vector<Index>& opened) {
 }
 
 template <class Real>
-void World<Real>::follow_with_surface(const MeshEdit& edit) {
-  display_.follow(elements(), scalpels_.grains(), edit);
+void Organ<Real>::follow_with_surface(const MeshEdit& edit) {
+  display_.follow(elements(), blades_.grains(), edit);
 }
 
 // Treats what has come apart. Returns how many tetrahedra vanished.
 template <class Real>
-Index World<Real>::settle(const MeshEdit& edit) {
+Index Organ<Real>::settle(const MeshEdit& edit) {
   if (edit.empty()) return 0;
   if (const std::vector<Index> hinged = hinged_tets(body_.model, edit); !hinged.empty())
     change_region(hinged, RegionModel::nonlinear);
@@ -149,22 +154,19 @@ Index World<Real>::settle(const MeshEdit& edit) {
 
 // Makes incisions without their consequences.
 template <class Real>
-MeshEdit World<Real>::make_again(const std::vector<Incision>& incisions) {
+MeshEdit Organ<Real>::make_again(const std::vector<Incision>& incisions) {
   start_blades();
-  const std::vector<Index> opened = scalpels_.open(incisions);
+  const std::vector<Index> opened = blades_.open(incisions);
   const Incise entry{incisions};
   if (!entry.is_empty()) journal_.edits.push_back(entry);
   return divide(opened);
 }
 
 template <class Real>
-void incise(World<Real>& world, const std::vector<Incision>& incisions) {
-  world.prepare_blades();
-  world.scalpels_.check(incisions);  // so that what does not fit changes nothing
-  world.settle(world.make_again(incisions));
+void Organ<Real>::incise(const std::vector<Incision>& incisions) {
+  prepare_blades();
+  blades_.check(incisions);  // so that what does not fit changes nothing
+  settle(make_again(incisions));
 }
-
-template void incise(World<float>&, const std::vector<Incision>&);
-template void incise(World<double>&, const std::vector<Incision>&);
 
 }  // namespace lobe

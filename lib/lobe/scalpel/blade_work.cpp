@@ -1,4 +1,4 @@
-#include "lobe/sim/scalpels.h"
+#include "lobe/scalpel/blade_work.h"
 
 #include <algorithm>
 #include <array>
@@ -50,19 +50,19 @@ bool is_in(const std::vector<int>& tools, int tool) {
 
 }  // namespace
 
-bool Scalpels::prepare(const Elements& elements) {
+bool BladeWork::prepare(const Elements& elements) {
   if (blades_ || prepared_) return false;
   prepared_ = std::make_unique<Blades>(elements);
   return true;
 }
 
-BladeMove Scalpels::whole(const BladeMove& move, const Blades::BodyNow& body) const {
+BladeMove BladeWork::whole(const BladeMove& move, const Blades::BodyNow& body) const {
   BladeMove whole = move;
   whole.from = blades_->start_of(move, body);
   return whole;
 }
 
-std::vector<Scalpels::Step> Scalpels::cut(const BladeMove& whole, const Blades::BodyNow& body) {
+std::vector<BladeWork::Step> BladeWork::cut(const BladeMove& whole, const Blades::BodyNow& body) {
   std::vector<Step> steps;
   for (const BladeMove& move : blades_->steps(whole)) {
     std::optional<Incised> incised = blades_->cut(move, body);
@@ -73,8 +73,8 @@ std::vector<Scalpels::Step> Scalpels::cut(const BladeMove& whole, const Blades::
 }
 
 // A scene is warned of the same before it runs (scene/scalpel_kind.cpp).
-std::vector<std::string> Scalpels::unfit(const BladeMove& move, bool has_cut, const Elements& elements,
-                                         const Blades::BodyNow& body) {
+std::vector<std::string> BladeWork::unfit(const BladeMove& move, bool has_cut, const Elements& elements,
+                                          const Blades::BodyNow& body) {
   std::vector<std::string> texts;
   const double length = (move.to.heel - move.to.tip).norm(), edge = grains()->mean_edge();
   if (gone_.tool != move.tool) gone_ = {move.tool};
@@ -99,17 +99,17 @@ std::vector<std::string> Scalpels::unfit(const BladeMove& move, bool has_cut, co
 }
 
 // Tries them on a copy.
-void Scalpels::check(const std::vector<Incision>& incisions) const {
+void BladeWork::check(const std::vector<Incision>& incisions) const {
   Grains trial = (blades_ ? blades_ : prepared_)->grains;
   open_again(incisions, trial);
 }
 
-std::vector<Index> Scalpels::open(const std::vector<Incision>& incisions) {
+std::vector<Index> BladeWork::open(const std::vector<Incision>& incisions) {
   return open_again(incisions, blades_->grains);
 }
 
-void Scalpels::keep_filled(const SweptVolume& volume, const Elements& elements, const Blades::BodyNow& body,
-                           std::vector<Index>& meeting) const {
+void BladeWork::keep_filled(const SweptVolume& volume, const Elements& elements, const Blades::BodyNow& body,
+                            std::vector<Index>& meeting) const {
   if (!blades_ || !volume.meets) return;
   std::vector<Index> divided;
   for (Index t : meeting)
@@ -124,7 +124,7 @@ void Scalpels::keep_filled(const SweptVolume& volume, const Elements& elements, 
   std::erase_if(meeting, [&](Index t) { return std::binary_search(apart.begin(), apart.end(), t); });
 }
 
-void Scalpels::hold_what_is_filled(const MeshEdit& edit, Model& model) const {
+void BladeWork::hold_what_is_filled(const MeshEdit& edit, Model& model) const {
   std::vector<Index> empty;
   for (const VertexSplit& split : edit.splits)
     for (Index v : {split.vertex, split.copy})
@@ -135,7 +135,7 @@ void Scalpels::hold_what_is_filled(const MeshEdit& edit, Model& model) const {
 }
 
 // Whether a vertex belongs to a boundary face that one holder holds at all three corners.
-bool Scalpels::lies_on_held_boundary(Index v, const Model& model) const {
+bool BladeWork::lies_on_held_boundary(Index v, const Model& model) const {
   const Topology& topology = model.elements.topology;
   for (Index t : topology.around(v)) {
     const Eigen::Vector4i corners = topology.corners(t);
@@ -149,7 +149,7 @@ bool Scalpels::lies_on_held_boundary(Index v, const Model& model) const {
   return false;
 }
 
-void Scalpels::share_loads(const MeshEdit& edit, const Elements& elements, DeadLoads& loads) const {
+void BladeWork::share_loads(const MeshEdit& edit, const Elements& elements, DeadLoads& loads) const {
   for (const TetShare& share : edit.shares)
     for (int f : loads.loaded_faces(elements.topology.parent(share.tet)))
       loads.set_weights(share.tet, f, blades_->grains.boundary_share_of(share.tet, f, elements));

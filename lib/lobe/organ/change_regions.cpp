@@ -1,17 +1,17 @@
-// Regions of a World: tetrahedra that change their model; pre-computed regions that are condensed from
+// Regions of an Organ: tetrahedra that change their model; pre-computed regions that are condensed from
 // scratch, relinearised, and non-linear for a while (theory, section 14).
 #include <algorithm>
 #include <optional>
 
 #include "lobe/error.h"
+#include "lobe/organ/organ.h"
 #include "lobe/setup/exclusions.h"
-#include "lobe/sim/world.h"
 #include "lobe/sort_unique.h"
 
 namespace lobe {
 
 template <class Real>
-void World<Real>::perform(const SetRegion& command) {
+void Organ<Real>::perform(const SetRegion& command) {
   check_tets(command.tets);
   if (const auto option = option_of(command.model)) refuse_excluded(*option, options_of(setup_), "region");
   body_.regions.refuse(command.model, command.tets, body_.model, setup_.lattice_cell);
@@ -26,9 +26,8 @@ void World<Real>::perform(const SetRegion& command) {
 }
 
 template <class Real>
-void World<Real>::change_region(const std::vector<Index>& tets, RegionModel model) {
-  synchronise_velocities();
-  state();
+void Organ<Real>::change_region(const std::vector<Index>& tets, RegionModel model) {
+  synchronise();
   const auto change = [&] {
     RegionEdit edit = change_of_region(tets, model);
     if (edit.left.empty()) return;
@@ -42,7 +41,7 @@ void World<Real>::change_region(const std::vector<Index>& tets, RegionModel mode
 }
 
 template <class Real>
-RegionEdit World<Real>::change_of_region(const std::vector<Index>& tets, RegionModel model) {
+RegionEdit Organ<Real>::change_of_region(const std::vector<Index>& tets, RegionModel model) {
   RegionEdit edit;
   Elements& elements = body_.model.elements;
   for (Index t : tets) {
@@ -61,7 +60,7 @@ RegionEdit World<Real>::change_of_region(const std::vector<Index>& tets, RegionM
 
 // The entry in the journal has the displacements about which the region is linearised.
 template <class Real>
-void World<Real>::begin_condensing(BeginCondensing begin) {
+void Organ<Real>::begin_condensing(BeginCondensing begin) {
   if (!body_.regions.can_begin_condensing())
     throw InputError("precomputed region", "there is none to condense, or it is being condensed already");
   if (begin.about && begin.about->size() != std::size_t(3 * elements().topology.vertex_count()))
@@ -74,7 +73,7 @@ void World<Real>::begin_condensing(BeginCondensing begin) {
 }
 
 template <class Real>
-void World<Real>::end_condensing() {
+void Organ<Real>::end_condensing() {
   if (!body_.regions.is_condensing())  // the region may have been cut away meanwhile
     throw InputError("precomputed region", "condensing has not begun, so it cannot end");
   synchronise_velocities();
@@ -91,7 +90,7 @@ void World<Real>::end_condensing() {
 // stay, because without them the interior would have other bits. If it was expanded when condensing from
 // scratch last began, later edits stay in the list, since condensing it again needs another pass.
 template <class Real>
-void World<Real>::forget_former_condensing() {
+void Organ<Real>::forget_former_condensing() {
   const auto is = [&]<class Kind>(std::size_t i, Kind) {
     return std::holds_alternative<Kind>(journal_.edits[i]);
   };
@@ -108,7 +107,7 @@ void World<Real>::forget_former_condensing() {
 }
 
 template <class Real>
-void World<Real>::perform(const Relinearise& command) {
+void Organ<Real>::perform(const Relinearise& command) {
   if (!(command.delay > 0))
     throw InputError("region", "the delay until it is relinearised must be above 0 s");
   if (!body_.regions.can_begin_condensing()) return;
@@ -118,17 +117,16 @@ void World<Real>::perform(const Relinearise& command) {
 }
 
 template <class Real>
-void World<Real>::perform(const Expand& command) {
+void Organ<Real>::perform(const Expand& command) {
   if (!setup_.expandable) throw InputError("region", "the setup does not say that it may be expanded");
   if (!body_.regions.may_expand()) return;
-  synchronise_velocities();
-  state();
+  synchronise();
   set_expanded(true);
   journal_.edits.push_back(command);
 }
 
 template <class Real>
-void World<Real>::perform(const Condense& command) {
+void Organ<Real>::perform(const Condense& command) {
   if (!body_.regions.is_expanded()) return;
   if (!body_.regions.can_condense())
     throw InputError("region",
@@ -139,7 +137,7 @@ void World<Real>::perform(const Condense& command) {
 }
 
 template <class Real>
-void World<Real>::set_expanded(bool is_expanded) {
+void Organ<Real>::set_expanded(bool is_expanded) {
   body_.regions.set_expanded(is_expanded);
   ++body_.model.revisions.jumps;         // of the interior
   if (body_.inertia.may_be_selective())  // also around held vertices
@@ -162,7 +160,7 @@ void World<Real>::set_expanded(bool is_expanded) {
 // Embeds the vertices that are to follow the nodes of the lattice now; those that are held or pressed do not.
 // Before the frequency of the full body is known, no vertex is embedded. True if something has changed.
 template <class Real>
-bool World<Real>::embed(const std::vector<Index>& also_pressed) {
+bool Organ<Real>::embed(const std::vector<Index>& also_pressed) {
   Regions<Real>& regions = body_.regions;
   if (!regions.any_roles()) return false;
   FullZones::Sight sight;
@@ -189,18 +187,18 @@ bool World<Real>::embed(const std::vector<Index>& also_pressed) {
 // Sums by what a change changes energies, if it embeds vertices or makes them full. Masses must be those of
 // the state when it begins.
 template <class Real>
-void World<Real>::as_transition(const std::function<void()>& change) {
-  if (next_report_.in_transition) return change();
+void Organ<Real>::as_transition(const std::function<void()>& change) {
+  if (findings_.in_transition) return change();
   struct InTransition {
     explicit InTransition(bool& flag) : is_set(flag) { is_set = true; }
     ~InTransition() { is_set = false; }
     bool& is_set;
   };
-  Transitions& transitions = next_report_.transitions;
+  Transitions& transitions = findings_.transitions;
   const int count = transitions.count;
   const Energies before = body_.energies_without_terms();
   {
-    const InTransition until_changed(next_report_.in_transition);
+    const InTransition until_changed(findings_.in_transition);
     change();
   }
   if (transitions.count == count) return;
@@ -211,8 +209,8 @@ void World<Real>::as_transition(const std::function<void()>& change) {
 }
 
 template <class Real>
-void World<Real>::embed_as(VertexRoles roles) {
-  state();
+void Organ<Real>::embed_as(VertexRoles roles) {
+  body_.recover(Regions<Real>::Interior::all);
   limit_.forget_nodes();
   const std::vector<Index> vertices = body_.regions.reduced_vertices();
   update_masses(vertices);
@@ -220,7 +218,7 @@ void World<Real>::embed_as(VertexRoles roles) {
                       body_.loads, body_.motion);
   take_over(vertices);  // last, so that momentum is that of the tetrahedra that leave the lattice
   update_inverse_masses(vertices);
-  ++next_report_.transitions.count;
+  ++findings_.transitions.count;
   body_.state_has_moved();
   ++body_.model.revisions.structure;
   ++body_.model.revisions.jumps;
@@ -228,39 +226,39 @@ void World<Real>::embed_as(VertexRoles roles) {
 
 // Reduced tetrahedra that will be cut, and those near them, become non-linear.
 template <class Real>
-void World<Real>::free_ahead(const std::vector<Index>& tets) {
+void Organ<Real>::free_ahead(const std::vector<Index>& tets) {
   const std::vector<Index> found = body_.regions.in_the_way(elements(), tets);
   if (!found.empty()) change_region(found, RegionModel::nonlinear);
 }
 
 // Returns whether a vertex got mass.
 template <class Real>
-bool World<Real>::slow_strained() {
+bool Organ<Real>::slow_strained() {
   const auto square = [&](Index v, double least) {
     return held().holds(v) ? 0 : limit_.limiting_square(body_, v, least);
   };
   const auto slowed = body_.regions.slow_strained(body_.inertia.mass(), square, body_.motion);
-  next_report_.transitions.kinetic += slowed.kinetic;
+  findings_.transitions.kinetic += slowed.kinetic;
   if (!slowed.vertices.empty()) update_vertices(slowed.vertices);
   return !slowed.vertices.empty();
 }
 
 template <class Real>
-void World<Real>::perform(const KeepFull& command) {
+void Organ<Real>::perform(const KeepFull& command) {
   body_.regions.keep_full(elements(), command.vertices, time(), command.duration);
 }
 
 // ---- Inertia
 
 template <class Real>
-void World<Real>::perform(const SetMassDegree& command) {
+void Organ<Real>::perform(const SetMassDegree& command) {
   body_.inertia.check_degree(command.degree);
   body_.inertia.ask_for(command.degree);
   if (!unravelling_.is_lumped()) use_mass_degree(command.degree);
 }
 
 template <class Real>
-void World<Real>::use_mass_degree(int degree) {
+void Organ<Real>::use_mass_degree(int degree) {
   const int before = body_.inertia.degree_now();
   if (degree == before) return;
   synchronise_velocities();

@@ -1,4 +1,4 @@
-#include "lobe/sim/pieces.h"
+#include "lobe/organ/pieces.h"
 
 #include <algorithm>
 #include <map>

@@ -1,0 +1,286 @@
+#include "lobe/organ/organ.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <type_traits>
+#include <utility>
+
+#include "lobe/condense/supports.h"
+#include "lobe/error.h"
+#include "lobe/file/fields.h"
+#include "lobe/organ/left_out_fields.h"
+#include "lobe/setup/check_setup.h"
+
+namespace lobe {
+namespace {
+
+double mean_edge(const Elements& elements) {
+  double sum = 0;
+  for (Index t = 0; t < elements.topology.tet_count(); ++t) {
+    const Mat34<double> x = elements.corner_points(t);
+    for (const auto& edge : edge_corners) sum += (x.col(edge[0]) - x.col(edge[1])).norm();
+  }
+  return sum / (6.0 * elements.topology.tet_count());
+}
+
+double diagonal(const Elements& elements) {  // of the bounding box [m]
+  const auto points = elements.points.view();
+  return (points.rowwise().maxCoeff() - points.rowwise().minCoeff()).norm();
+}
+
+RegionEdit everything(const Topology& topology) {
+  RegionEdit edit;
+  edit.entered.resize(std::size_t(topology.tet_count()));
+  std::iota(edit.entered.begin(), edit.entered.end(), 0);
+  edit.vertices.resize(std::size_t(topology.vertex_count()));
+  std::iota(edit.vertices.begin(), edit.vertices.end(), 0);
+  return edit;
+}
+
+template <class Real>
+const Setup& checked(const Setup& setup) {
+  check_setup(setup, std::is_same_v<Real, float> ? Options{Option::single_precision} : Options{});
+  return setup;
+}
+
+}  // namespace
+
+std::uint64_t fingerprint(const Setup& setup) { return io::digest_of_fields(setup); }
+
+template <class Real>
+Organ<Real>::Organ(const Setup& setup, int threads, const CondensingLog::Progress& condensing)
+    : setup_(checked<Real>(setup)),
+      journal_{fingerprint(setup), {}},
+      body_(setup, threads, condensing),
+      limit_(mean_edge(elements())),
+      unravelling_(elements(), diagonal(elements())) {
+  setup_.mesh = {};
+  setup_.material_of = {};
+  body_.motion.longest_move = mean_edge(elements());
+  body_.sleep = Sleep(setup.sleep, setup.sleep / 8 * body_.motion.longest_move / diagonal(elements()));
+  if (setup.cut_frequency > 0)
+    body_.inertia.set_floor({setup.cut_frequency * setup.cut_frequency, setup.expandable});
+  refuse_unsupported(elements(), held());
+  follow(everything(elements().topology));
+  pieces_ = Pieces(body_.model);
+  if (setup.integrator == Integrator::generalised_alpha)
+    implicit_ = std::make_unique<ImplicitDynamics>(setup.spectral_radius);
+  if (body_.regions.can_be_expanded()) {
+    set_expanded(true);
+    limit_.measure_at_rest(body_);
+    set_expanded(false);
+  }
+  limit_.measure_at_rest(body_);
+  embed();
+  if (setup.mass_scaling > 0) scale_masses(setup.mass_scaling);
+  if (!setup.scalpels.empty()) prepare_blades();
+}
+
+template <class Real>
+void Organ<Real>::scale_masses(double share) {
+  MassScaling& scaling = body_.inertia.scaling();
+  scaling.limit_before = limit_.find(body_);
+  const std::vector<double>& mass = body_.inertia.mass();
+  std::vector<Index> all(mass.size());
+  std::iota(all.begin(), all.end(), 0);
+  std::vector<double> squares;
+  for (Index v : all) squares.push_back(limit_.exact_square(body_, v));
+  const double total = std::accumulate(mass.begin(), mass.end(), 0.0);
+  body_.inertia.scale(squares, share);
+  update_vertices(all);
+  scaling.added = std::accumulate(mass.begin(), mass.end(), 0.0) - total;
+  scaling.share = scaling.added / total;
+  limit_.measure_at_rest(body_);
+  scaling.limit_after = limit_.find(body_);
+}
+
+// ---- State
+
+template <class Real>
+StateView<Real> Organ<Real>::state() {
+  body_.recover(Regions<Real>::Interior::all);
+  const Motion<Real>& motion = body_.motion;
+  return {motion.u.view(), motion.v.view(), motion.time, motion.velocity_lag};
+}
+
+template <class Real>
+Eigen::Map<const Mat3X<Real>> Organ<Real>::displacements() {
+  body_.recover(Regions<Real>::Interior::displacements);
+  return std::as_const(body_.motion.u).view();
+}
+
+template <class Real>
+void Organ<Real>::check(const State<Real>& state) {
+  if (!state.u.allFinite() || !state.v.allFinite() || !std::isfinite(state.time))
+    throw InputError("state", "it holds values that are not finite");
+  if (!(state.velocity_lag >= 0) || !std::isfinite(state.velocity_lag))
+    throw InputError("state", "its velocities must be older than its displacements by 0 s or more");
+}
+
+template <class Real>
+void Organ<Real>::set_state(const State<Real>& state) {
+  check(state);
+  if (state.u.cols() != body_.motion.u.count() || state.v.cols() != body_.motion.v.count())
+    throw InputError("state", "it must have one column per vertex of the world, " +
+                                  std::to_string(body_.motion.u.count()));
+  Motion<Real>& motion = body_.motion;
+  motion.u.view() = state.u;
+  motion.v.view() = state.v;
+  motion.time = state.time;
+  motion.velocity_lag = implicit_ ? 0 : state.velocity_lag;
+  body_.regions.settle(elements(), limit_.highest_at_rest(), motion);
+  body_.state_was_replaced();
+  body_.sleep.wake_all(state.time);
+  limit_.restart(body_);
+  unravelling_.restart(state.time);
+}
+
+template <class Real>
+void Organ<Real>::take_nodes(const typename Regions<Real>::State& nodes, const State<Real>& state) {
+  Regions<Real>& regions = body_.regions;
+  if (!regions.any_roles()) return;
+  std::vector<Index> weighed;
+  VertexRoles roles = regions.begin_restoring(body_.model, nodes, weighed);
+  if (regions.has_roles(roles))
+    update_vertices(weighed);
+  else
+    embed_as(std::move(roles));
+  regions.end_restoring(elements(), nodes, body_.motion);
+  body_.motion.u.view() = state.u;
+  body_.motion.v.view() = state.v;
+  body_.state_was_replaced();
+}
+
+template <class Real>
+void Organ<Real>::take_surroundings(Organ& former) {
+  body_.terms = std::move(former.body_.terms);
+  softening_ = std::move(former.softening_);
+  display_ = std::move(former.display_);
+  display_.rebuild(elements(), grains());
+  body_.model.revisions = newer_than_both(former.body_.model.revisions, body_.model.revisions);
+}
+
+// The setup before all edits, without copies.
+template <class Real>
+Setup Organ<Real>::initial_setup() const {
+  const Topology& now = elements().topology;
+  Setup setup = setup_;
+  setup.mesh.points = elements().points.view().leftCols(now.vertex_count() - now.copy_count());
+  const Index tets = now.tet_count() - now.tet_copy_count();
+  setup.mesh.tets = now.tets().leftCols(tets).unaryExpr([&](Index v) { return now.origin(v); });
+  setup.mesh.labels = elements().labels;
+  setup.mesh.labels.resize(std::size_t(tets), 0);
+  setup.mesh.fibres = elements().fibres;
+  if (setup.mesh.fibres.cols() > tets) setup.mesh.fibres.conservativeResize(Eigen::NoChange, tets);
+  setup.material_of = elements().material_of;
+  setup.material_of.resize(std::size_t(tets));
+  return setup;
+}
+
+// ---- Before the steps of a frame
+
+// Takes the result of condensing when it is due, and waits for it if necessary, so that a run has the same
+// bits on every machine.
+template <class Real>
+void Organ<Real>::condense_anew() {
+  constexpr double delay = 1;  // [s]
+  if (body_.regions.is_condensing() && time() >= body_.regions.condensing_due())
+    end_condensing();
+  else if (body_.regions.needs_condensing())
+    begin_condensing({time() + delay});
+}
+
+// Unravels tetrahedra that stay crushed. The search for the step limit has found the smallest det F.
+template <class Real>
+void Organ<Real>::unravel() {
+  if (elements().guard_below == 0) return;
+  const bool was_lumped = unravelling_.is_lumped();
+  unravelling_.lump(body_, limit_.volume_ratio());
+  if (unravelling_.is_lumped() != was_lumped)
+    notice(Condition::Kind::lumped, was_lumped
+                                        ? "nothing is crushed any more: masses are selective again"
+                                        : "tetrahedra are crushed: masses are lumped until they are not");
+  use_mass_degree(unravelling_.is_lumped() ? 1 : body_.inertia.degree());
+  const auto was_held = [&](Index tet) { return pieces_.was_held(tet); };
+  const auto remedy = unravelling_.look(body_, limit_.volume_ratio(), was_held);
+  if (!remedy) return;
+  notice(Condition::Kind::unravelling, remedy->why);
+  change_region(remedy->tets, remedy->model);
+}
+
+// Computes where vertices are that follow others, before a tool searches them. How far they have moved is not
+// known.
+template <class Real>
+void Organ<Real>::see_interior() {
+  if (!body_.regions.any_following() || seen_ == body_.model.revisions) return;
+  ++body_.model.revisions.jumps;
+  state();
+  seen_ = body_.model.revisions;
+}
+
+template <class Real>
+std::vector<Index> Organ<Real>::meeting_as_seen(const SweptVolume& volume) {
+  if (std::exchange(jumps_, body_.model.revisions.jumps) != body_.model.revisions.jumps) groups_.forget();
+  return groups_.meeting(elements().topology, elements().points.padded(), body_.motion.u.padded(), volume);
+}
+
+// ---- Steps
+
+template <class Real>
+void Organ<Real>::end_step(double dt) {
+  const Motion<Real>& motion = body_.motion;
+  limit_.count_step();
+  const bool any_moving = !body_.inertia.moving().empty() || body_.regions.any_moving_nodes();
+  if (any_moving || motion.speeds.driven > 0) ++body_.model.revisions.displacements;
+  const double farthest = (motion.speeds.fastest + motion.speeds.driven) * dt;
+  moved(farthest, std::numeric_limits<Real>::epsilon());
+  for (const auto& term : body_.terms) term->end_step(farthest, dt);
+}
+
+template <class Real>
+void Organ<Real>::report_frame(const PatchCount& before, Report& report) {
+  const PatchCount after = body_.regions.patch_count();
+  report.patches_evaluated = after.evaluated - before.evaluated;
+  report.patches_skipped = after.skipped - before.skipped;
+  report.transitions = std::exchange(findings_.transitions, {});
+}
+
+// ---- Edits
+
+template <class Real>
+void Organ<Real>::repeat(const JournalEntry& entry) {
+  std::visit([this](const auto& any) { this->repeat(any); }, entry);
+}
+
+template <class Real>
+void Organ<Real>::repeat(const RemoveTets& entry) {
+  check_tets(entry.tets);
+  cut(entry.tets);
+}
+
+template <class Real>
+void Organ<Real>::repeat(const SetRegion& entry) {
+  check_tets(entry.tets);
+  change_region(entry.tets, entry.model);
+}
+
+template <class Real>
+void Organ<Real>::synchronise_velocities() {
+  if (implicit_ || body_.motion.velocity_lag == 0) return;
+  refresh_terms();
+  body_.synchronise_velocities();
+}
+
+// What an edit finds: velocities of the time of the displacements, and what follows others where it now is.
+template <class Real>
+void Organ<Real>::synchronise() {
+  synchronise_velocities();
+  body_.recover(Regions<Real>::Interior::all);
+}
+
+template class Organ<float>;
+template class Organ<double>;
+
+}  // namespace lobe

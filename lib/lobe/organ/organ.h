@@ -1,0 +1,236 @@
+// Organ is a body that edits itself: it follows cuts, changes of region, grasps and forces around what
+// changed, and brings masses, loads, regions, the step limit, the surface and the journal up to date. A World
+// plays time and tools on it.
+//
+// Each edit is synchronised first: velocities are brought up to the displacements, and what follows others is
+// recovered, so that nothing is lost where vertices change what they follow.
+#pragma once
+
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "lobe/cut/tet_groups.h"
+#include "lobe/organ/display.h"
+#include "lobe/organ/history.h"
+#include "lobe/organ/pieces.h"
+#include "lobe/organ/touch_expansion.h"
+#include "lobe/scalpel/blade_work.h"
+#include "lobe/time/implicit_dynamics.h"
+#include "lobe/time/step_limit.h"
+#include "lobe/time/unravelling.h"
+
+namespace lobe {
+
+template <class Real>
+class Organ {
+ public:
+  Organ(const Setup& setup, int threads, const CondensingLog::Progress& condensing);
+
+  // ---- Edits. They throw InputError for what cannot be done, and then have changed nothing.
+
+  void perform(const RemoveTets& edit) { remove_tets(edit.tets); }
+  void perform(const SetRegion& edit);
+  void perform(const Expand& edit);
+  void perform(const Condense& edit);
+  void perform(const Relinearise& edit);
+  void perform(const SetMassDegree& edit);
+  void perform(const KeepFull& edit);
+  void perform(const SetForces& edit);
+  void perform(const SetSprings& edit);
+  void perform(const MoveSprings& edit);
+  void add(std::shared_ptr<ForceTerm<Real>> term);
+  Index remove_tets(const std::vector<Index>& tets);  // returns how many went, with what came loose
+  // Sets which vertices are held. Returns how many tetrahedra vanished, because they came loose.
+  Index grasp(const HeldVertices& held);
+  // Repeats an entry of a journal without its consequences, which are entries as well. Throws InputError for
+  // one that does not fit, as a damaged file may have it.
+  void repeat(const JournalEntry& entry);
+
+  // ---- Blades and cauteries
+
+  // Makes ahead of the first cut, because it takes longer than a frame: the grains, the groups of tetrahedra
+  // for its search, and what the mass floor needs.
+  void prepare_blades();
+  struct Cut {
+    std::vector<BladeWork::Step> steps;
+    double area = 0;                // opened, at rest [m²]
+    Index copied = 0, removed = 0;  // tetrahedra
+  };
+  Cut cut(const BladeMove& move);
+  void incise(const std::vector<Incision>& incisions);  // those that a blade has made in an equal body
+  Index burn(const SweptVolume& volume);  // removes the tetrahedra that meet it; returns how many went
+
+  // ---- Before the steps of a frame
+
+  void condense_anew();
+  void unravel();
+  // Shows force terms the tools that exist in the frame; shows them the body.
+  void show_tools(std::span<const ToolBody> bodies);
+  void show_body();
+  // Before terms are asked for forces or stiffness: they see the body that edits have left since they saw it,
+  // as those of a restored organ do.
+  void refresh_terms();
+  void show_body_anew() {  // the same, whatever they have seen
+    shown_ = {};
+    refresh_terms();
+  }
+  // Embeds the vertices that are to follow the nodes of the lattice now; those that are held or pressed do
+  // not. Before the frequency of the full body is known, no vertex is embedded. True if something has
+  // changed.
+  bool embed(const std::vector<Index>& also_pressed = {});
+  bool slow_strained();      // true if a vertex got mass
+  void end_step(double dt);  // of central differences: tells what follows the motion how far it went
+  // One more step was made, in which no vertex moved further than `distance` [m] apart from rounding.
+  void moved(double distance, double rounding) { groups_.moved(distance, rounding); }
+
+  // Reports what the steps of a frame have evaluated and changed.
+  void report_frame(const PatchCount& before, Report& report);
+
+  // ---- State
+
+  StateView<Real> state();
+  Eigen::Map<const Mat3X<Real>> displacements();
+  void set_state(const State<Real>& state);
+  static void check(const State<Real>& state);  // throws InputError for what no body can be in
+  // Gives vertices the roles of a checkpoint, and nodes its state.
+  void take_nodes(const typename Regions<Real>::State& nodes, const State<Real>& state);
+  // Takes from an organ of the same setup what no checkpoint has: force terms, what was found out about
+  // contact, the surface and its observers.
+  void take_surroundings(Organ& former);
+  // The term of a kind that an organ makes by itself. It exists from the first call on. Forces of terms are
+  // added in one order, whichever exist: those of these kinds first, in the order of the kinds.
+  ForceTerm<Real>& own_term(std::string_view name);
+  void notice(Condition::Kind kind, const std::string& text) {
+    findings_.conditions.push_back({kind, text, time()});
+  }
+
+  double time() const { return body_.motion.time; }
+  const Elements& elements() const { return body_.model.elements; }
+  const Grains* grains() const { return blades_.grains(); }  // null: no blade has cut
+  const HeldVertices& held() const { return body_.model.held; }
+  const Setup& setup() const { return setup_; }  // without the mesh and its materials
+  const Journal& journal() const { return journal_; }
+  Setup initial_setup() const;                        // before all edits, without copies
+  Setup current_setup(CompactMesh& compacted) const;  // World::current_setup()
+
+  // ---- Its parts, on which a world takes steps, and which it shows and stores
+
+  Dynamics<Real>& body() { return body_; }
+  const Dynamics<Real>& body() const { return body_; }
+  StepLimit<Real>& limit() { return limit_; }
+  const StepLimit<Real>& limit() const { return limit_; }
+  Unravelling& unravelling() { return unravelling_; }
+  const Unravelling& unravelling() const { return unravelling_; }
+  Pieces& pieces() { return pieces_; }
+  const Pieces& pieces() const { return pieces_; }
+  BladeWork& blades() { return blades_; }
+  const BladeWork& blades() const { return blades_; }
+  ImplicitDynamics* implicit() const { return implicit_.get(); }  // null: central differences
+  TouchExpansion& touch_expansion() { return touch_expansion_; }
+  const TouchExpansion& touch_expansion() const { return touch_expansion_; }
+  Findings& findings() { return findings_; }
+  const Findings& findings() const { return findings_; }
+  Display<Real>& display() { return display_; }
+  const Display<Real>& display() const { return display_; }
+
+ private:
+  // ---- Edits, and what follows them
+
+  MeshEdit cut(const std::vector<Index>& tets);
+  void change_region(const std::vector<Index>& tets, RegionModel model);
+  RegionEdit change_of_region(const std::vector<Index>& tets, RegionModel model);
+  void hold(const HeldVertices& held);
+  void begin_condensing(BeginCondensing begin);
+  void end_condensing();
+  void set_expanded(bool is_expanded);
+  void forget_former_condensing();
+  void use_mass_degree(int degree);
+  void repeat(const RemoveTets& entry);
+  void repeat(const SetRegion& entry);
+  void repeat(const Expand& entry) { perform(entry); }
+  void repeat(const Condense& entry) { perform(entry); }
+  void repeat(const Incise& entry) { make_again(entry.incisions); }
+  void repeat(const Hold& entry) { hold(entry.held); }
+  void repeat(const BeginCondensing& entry) { begin_condensing(entry); }
+  void repeat(const EndCondensing&) { end_condensing(); }
+  void repeat(const Superseded& entry) { journal_.edits.push_back(entry); }
+  void follow(const MeshEdit& edit);
+  void follow(RegionEdit edit);
+  void add_unsupported(RegionEdit& edit);
+  void update_masses(const std::vector<Index>& vertices);
+  void update_vertices_apart(const std::vector<Index>& vertices);
+  void update_vertices(const std::vector<Index>& vertices);
+  void update_inverse_masses(const std::vector<Index>& vertices);
+  void take_over(const std::vector<Index>& vertices);
+  void find_carried();
+  void scale_masses(double share);
+  Index treat_loose(const std::vector<std::vector<Index>>& pieces);
+  void freeze(const std::vector<Index>& piece);
+  void check_tets(const std::vector<Index>& tets) const;
+  void synchronise();  // before an edit
+  void synchronise_velocities();
+  // Computes where vertices are that follow others, before a tool searches them.
+  void see_interior();
+  std::vector<Index> meeting_as_seen(const SweptVolume& volume);  // the tetrahedra that meet it, ascending
+
+  // ---- Blades
+
+  void start_blades();
+  bool has_floor() const { return !implicit_ && setup_.cut_step > 0; }  // of masses, once a blade cuts
+  void begin_floor();
+  typename Blades::BodyNow body_now();
+  void make_way(const BladeMove& move);
+  MeshEdit make_again(const std::vector<Incision>& incisions);
+  MeshEdit divide(const std::vector<Index>& opened);
+  void follow_with_surface(const MeshEdit& edit);
+  Index settle(const MeshEdit& edit);
+
+  // ---- Reduced regions and force terms
+
+  void embed_as(VertexRoles roles);
+  void as_transition(const std::function<void()>& change);
+  void free_ahead(const std::vector<Index>& tets);
+  struct Shown {
+    std::uint64_t structure = 0, inertia = 0;
+    int mass_degree = 0;
+    bool operator==(const Shown&) const = default;
+  };
+  Shown now_shown() const {
+    const Revisions& now = body_.model.revisions;
+    return {now.structure, now.inertia, body_.inertia.degree_now()};
+  }
+  void show_body_to(ForceTerm<Real>& term);
+  double softening();
+  AppliedForces<Real>& applied();
+  bool follow_touch(const std::vector<Index>& touched);
+  void terms_have_changed(const std::vector<Index>& woken_before);
+  void report_lost_forces(const std::vector<Index>& vertices);
+
+  Setup setup_;  // loads, gravity, damping …; without the mesh and its materials
+  Journal journal_;
+  Dynamics<Real> body_;
+  StepLimit<Real> limit_;
+  Unravelling unravelling_;
+  Pieces pieces_;
+  BladeWork blades_;
+  TetGroups groups_;                                // of tetrahedra, for searches
+  std::uint64_t jumps_ = 0;                         // Revisions::jumps that groups_ knows
+  Revisions seen_{.structure = ~std::uint64_t(0)};  // when what follows others was looked at last
+  std::unique_ptr<ImplicitDynamics> implicit_;      // none: central differences
+  TouchExpansion touch_expansion_;
+  Findings findings_;
+  Display<Real> display_;
+  Shown shown_;                      // of the body, when force terms saw it last
+  std::map<int, double> softening_;  // of contact, per degree of selective masses; those that were found
+};
+
+extern template class Organ<float>;
+extern template class Organ<double>;
+
+}  // namespace lobe

@@ -123,6 +123,8 @@
 #include "lobe/diagnostics/locate.h"
 #include "lobe/error.h"
 #include "lobe/fem/fibre_fields.h"
+#include "lobe/fem/law.h"
+#include "lobe/fem/law_of.h"
 #include "lobe/io/mesh_io.h"
 #include "lobe/io/surface_io.h"
 #include "lobe/linearity/mass_watch.h"

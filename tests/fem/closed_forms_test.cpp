@@ -8,6 +8,8 @@
 
 #include "fem/moduli.h"
 #include "lobe/fem/elements.h"
+#include "lobe/fem/law.h"
+#include "lobe/fem/law_of.h"
 #include "lobe/fem/transverse_isotropy.h"
 #include "near.h"
 #include "support.h"

@@ -5,6 +5,8 @@
 #include "fem/moduli.h"
 #include "lobe/fem/elements.h"
 #include "lobe/fem/hooke.h"
+#include "lobe/fem/law.h"
+#include "lobe/fem/law_of.h"
 #include "lobe/fem/svk.h"
 #include "near.h"
 

@@ -2,6 +2,8 @@
 
 #include <doctest/doctest.h>
 
+#include "lobe/fem/law.h"
+#include "lobe/fem/law_of.h"
 #include "near.h"
 #include "support.h"
 

@@ -6,6 +6,8 @@
 #include <Eigen/LU>
 
 #include "lobe/fem/elements.h"
+#include "lobe/fem/law.h"
+#include "lobe/fem/law_of.h"
 #include "lobe/numerics/symmetric_eigen.h"
 #include "near.h"
 #include "support.h"

@@ -5,6 +5,7 @@
 
 #include "lattice_support.h"
 #include "lobe/fem/law.h"
+#include "lobe/fem/law_of.h"
 #include "lobe/numerics/symmetric_eigen.h"
 
 using namespace lobe;

@@ -7,6 +7,8 @@
 #include "doubled.h"
 #include "fibre_support.h"
 #include "lobe/condense/linearisation.h"
+#include "lobe/fem/law.h"
+#include "lobe/fem/law_of.h"
 #include "lobe/fem/svk.h"
 #include "lobe/linearity/influence.h"
 #include "near.h"

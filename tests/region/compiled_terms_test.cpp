@@ -3,6 +3,8 @@
 #include <doctest/doctest.h>
 
 #include "lobe/fem/elements.h"
+#include "lobe/fem/law.h"
+#include "lobe/fem/law_of.h"
 
 using namespace lobe;
 

@@ -6,6 +6,8 @@
 #include <random>
 
 #include "fibre_support.h"
+#include "lobe/fem/law.h"
+#include "lobe/fem/law_of.h"
 #include "lobe/fem/transverse_isotropy.h"
 #include "lobe/linearity/defect.h"
 #include "lobe/region/nonlinear.h"

@@ -3,6 +3,8 @@
 
 #include "lobe/diagnostics/fields.h"
 #include "lobe/fem/hooke.h"
+#include "lobe/fem/law.h"
+#include "lobe/fem/law_of.h"
 #include "lobe/linearity/defect.h"
 #include "lobe/region/nonlinear.h"
 #include "lobe/solve/tangent.h"

@@ -1,4 +1,6 @@
 // Mass that keeps the time step of what a blade has cut.
+#include "lobe/fem/law.h"
+#include "lobe/fem/law_of.h"
 #include "lobe/numerics/symmetric_eigen.h"
 #include "lobe/time/mass_floor.h"
 

@@ -26,9 +26,11 @@ TEST_CASE("gradient and second derivatives of the manufactured field are its dif
 
 TEST_CASE("the body force is minus the divergence of the stress, for each law") {
   const FibreModuli<double> fibre{0.5, 0.8, 3};
-  for (const Law& law :
-       {Law{RegionModel::tensor_mass}, Law{}, Law{RegionModel::nonlinear, 1.25, 1, 2.5},
-        Law{RegionModel::tensor_mass, 1.25, 1, 0, fibre}, Law{RegionModel::nonlinear, 1.25, 1, 0, fibre}}) {
+  for (const lobe::validation::Law& law :
+       {lobe::validation::Law{RegionModel::tensor_mass}, lobe::validation::Law{},
+        lobe::validation::Law{RegionModel::nonlinear, 1.25, 1, 2.5},
+        lobe::validation::Law{RegionModel::tensor_mass, 1.25, 1, 0, fibre},
+        lobe::validation::Law{RegionModel::nonlinear, 1.25, 1, 0, fibre}}) {
     Vec3d divergence = Vec3d::Zero();
     for (int j = 0; j < 3; ++j) {
       const Vec3d step = h * Vec3d::Unit(j);

@@ -5,6 +5,8 @@
 #include <utility>
 
 #include "lobe/diagnostics/averaged_pressures.h"
+#include "lobe/fem/svk.h"
+#include "lobe/fem/volume_term.h"
 #include "lobe/region/energy_density.h"
 
 namespace lobe {

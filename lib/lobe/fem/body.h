@@ -7,7 +7,7 @@
 #include <tuple>
 #include <vector>
 
-#include "lobe/fem/fibre_term.h"
+#include "lobe/fem/law_moduli.h"
 #include "lobe/mesh/tet_mesh.h"
 
 namespace lobe {

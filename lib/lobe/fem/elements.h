@@ -4,7 +4,6 @@
 #include <vector>
 
 #include "lobe/fem/body.h"
-#include "lobe/fem/law.h"
 #include "lobe/fem/shape.h"
 #include "lobe/mesh/topology.h"
 #include "lobe/mesh/vertex_columns.h"
@@ -50,61 +49,6 @@ struct Elements {
   Vec3d fibre_of(Index tet) const { return fibres.cols() == 0 ? Vec3d::Zero() : Vec3d(fibres.col(tet)); }
   const Elastic& elastic_of(Index tet) const { return materials[material_of[tet]]; }
 };
-
-// The law of non-linear tetrahedra of a material, without the direction of a fibre.
-inline Law<double> nonlinear_law(const Elastic& elastic, double volume_penalty, double guard_below,
-                                 double pressure = 0) {  // p_T, the mean of its nodes' [Pa]
-  return {.lambda = elastic.element_lambda(),
-          .mu = elastic.mu,
-          .kappa = volume_penalty,
-          .pressure = pressure,
-          .guard_modulus = elastic.guard_modulus(),
-          .guard_threshold = guard_below,
-          .terms = {.svk = elastic.law == MaterialLaw::svk,
-                    .volume = volume_penalty > 0,
-                    .pressure = pressure != 0,
-                    .guard = guard_below > 0,
-                    .fibre = elastic.fibre.any(),
-                    .neo_hookean = elastic.law == MaterialLaw::neo_hookean},
-          .fibre = elastic.fibre};
-}
-inline Law<double> nonlinear_law(const Elements& elements, Index tet, double pressure = 0) {
-  Law<double> law =
-      nonlinear_law(elements.elastic_of(tet), elements.volume_penalty, elements.guard_below, pressure);
-  law.direction = elements.fibre_of(tet);
-  return law;
-}
-// The part of it that is evaluated at the strain of each tetrahedron: all, or, if the element is smoothed,
-// the volume term and the guard. Moduli of the other terms are 0.
-inline Law<double> unsmoothed_law(const Elastic& elastic, double volume_penalty, double guard_below) {
-  Law<double> law = nonlinear_law(elastic, volume_penalty, guard_below);
-  if (!elastic.is_smoothed()) return law;
-  law.lambda = law.mu = 0;
-  law.fibre = {};
-  law.terms = {.svk = false, .volume = law.terms.volume, .guard = law.terms.guard};
-  return law;
-}
-inline Law<double> unsmoothed_law(const Elements& elements, Index tet, double pressure = 0) {
-  if (!elements.elastic_of(tet).is_smoothed()) return nonlinear_law(elements, tet, pressure);
-  return unsmoothed_law(elements.elastic_of(tet), elements.volume_penalty, elements.guard_below);
-}
-// The law of linear tetrahedra, for linear_stress() and similar functions: with all of λ, and no other term
-// than the fibre's.
-inline Law<double> linear_law(const Elastic& elastic) {
-  return {.lambda = elastic.lambda,
-          .mu = elastic.mu,
-          .kappa = 0,
-          .pressure = 0,
-          .guard_modulus = 0,
-          .guard_threshold = 0,
-          .terms = {.fibre = elastic.fibre.any()},
-          .fibre = elastic.fibre};
-}
-inline Law<double> linear_law(const Elements& elements, Index tet) {
-  Law<double> law = linear_law(elements.elastic_of(tet));
-  law.direction = elements.fibre_of(tet);
-  return law;
-}
 
 // What an edit of the mesh or of the regions' tags means for the regions.
 struct RegionEdit {

@@ -6,34 +6,11 @@
 // 2. E is Green's strain in the non-linear model (svk.h), its linear part in the linear one (hooke.h).
 #pragma once
 
-#include <tuple>
-
+#include "lobe/fem/law_moduli.h"
 #include "lobe/fem/svk.h"
 #include "lobe/types.h"
 
 namespace lobe {
-
-template <class T>
-struct FibreModuli {
-  T coupling{};  // ε = C_LT − λ [Pa]
-  T shear{};     // η = G_LT − μ [Pa]
-  T stretch{};   // β [Pa]
-
-  bool any() const { return coupling != 0 || shear != 0 || stretch != 0; }
-  FibreModuli times(const T& V) const { return {V * coupling, V * shear, V * stretch}; }
-  FibreModuli& operator+=(const FibreModuli& other) {
-    coupling += other.coupling;
-    shear += other.shear;
-    stretch += other.stretch;
-    return *this;
-  }
-  template <class U>
-  FibreModuli<U> as() const {
-    return {U(coupling), U(shear), U(stretch)};
-  }
-  static constexpr auto fields =
-      std::tuple(&FibreModuli::coupling, &FibreModuli::shear, &FibreModuli::stretch);
-};
 
 template <class T>
 T fibre_energy_of_strain(const Mat3<T>& E, const FibreModuli<T>& fibre, const Vec3<T>& a)  // [J/m³]

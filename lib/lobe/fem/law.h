@@ -1,8 +1,8 @@
 // The law of a tetrahedron of the non-linear model: its energy is the sum of the terms of svk.h (or
 // neo_hookean.h), fibre_term.h, volume_term.h, pressure_term.h and guard.h. All code that evaluates such
 // tetrahedra calls the functions below: wide kernels, energies, the solvers' tangent, the time step, the
-// estimate of linear regions' errors. A new term adds its moduli to Law and a line to each function. The
-// order in which a function sums the terms up decides the last bits of results.
+// estimate of linear regions' errors. A new term adds its moduli to Law (law_moduli.h) and a line to each
+// function. The order in which a function sums the terms up decides the last bits of results.
 //
 // Only the given terms are evaluated. If `terms` are constants, as in kernels, the other terms are not even
 // compiled.
@@ -13,57 +13,13 @@
 #include "lobe/fem/fibre_term.h"
 #include "lobe/fem/guard.h"
 #include "lobe/fem/hooke.h"
+#include "lobe/fem/law_moduli.h"
 #include "lobe/fem/neo_hookean.h"
 #include "lobe/fem/pressure_term.h"
 #include "lobe/fem/svk.h"
 #include "lobe/fem/volume_term.h"
 
 namespace lobe {
-
-struct Terms {
-  bool svk = true, volume = false, pressure = false, guard = false, fibre = false, neo_hookean = false;
-
-  bool operator==(const Terms&) const = default;
-  constexpr bool includes(const Terms& other) const {
-    return svk >= other.svk && volume >= other.volume && pressure >= other.pressure && guard >= other.guard &&
-           fibre >= other.fibre && neo_hookean >= other.neo_hookean;
-  }
-  // Without those that any solid may have, whose moduli are 0 where it has not.
-  constexpr Terms solid() const {
-    Terms own = *this;
-    own.volume = own.pressure = own.guard = false;
-    return own;
-  }
-};
-
-template <class T>
-struct Law {
-  T lambda, mu;       // λ without the share that nodal pressure takes over [Pa]
-  T kappa;            // volume penalty [Pa]
-  T pressure;         // of nodal pressure, mean p_T of the tetrahedron [Pa]
-  T guard_modulus;    // M [Pa]
-  T guard_threshold;  // J₀
-  Terms terms;
-  FibreModuli<T> fibre{};
-  Vec3<T> direction{};  // of the fibre, a unit vector at rest; not read without the term
-
-  template <class U>
-  Law<U> as() const {
-    return {U(lambda),
-            U(mu),
-            U(kappa),
-            U(pressure),
-            U(guard_modulus),
-            U(guard_threshold),
-            terms,
-            fibre.template as<U>(),
-            {U(direction[0]), U(direction[1]), U(direction[2])}};
-  }
-  Law times(const T& V) const {  // all moduli: energies and stresses are then V times those of this law
-    return {V * lambda,      V * mu, V * kappa,      V * pressure, V * guard_modulus,
-            guard_threshold, terms,  fibre.times(V), direction};
-  }
-};
 
 // A sum that begins with the first term. To add it to 0 would cost time and change the sign of a zero.
 template <class Value>

@@ -1,5 +1,7 @@
 #include "lobe/fem/nonlinear_tensor_mass.h"
 
+#include "lobe/fem/law.h"
+
 namespace lobe {
 namespace {
 

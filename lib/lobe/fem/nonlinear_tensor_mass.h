@@ -17,7 +17,7 @@
 
 #include <array>
 
-#include "lobe/fem/law.h"
+#include "lobe/fem/law_moduli.h"
 #include "lobe/fem/shape.h"
 #include "lobe/types.h"
 

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "lobe/fem/law.h"
+#include "lobe/fem/law_of.h"
 #include "lobe/numerics/symmetric_eigen.h"
 
 namespace lobe {

@@ -1,6 +1,7 @@
 // Compiled once per instruction set, LOBE_KERNELS, which is the namespace that everything here is in.
 #include "lobe/lattice/cell_kernels.h"
 
+#include "lobe/fem/law.h"
 #include "lobe/fem/shape.h"
 #include "lobe/numerics/simd.h"
 

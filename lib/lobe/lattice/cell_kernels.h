@@ -4,7 +4,7 @@
 
 #include <array>
 
-#include "lobe/fem/law.h"
+#include "lobe/fem/law_moduli.h"
 #include "lobe/instruction_set.h"
 #include "lobe/region/element_block.h"
 

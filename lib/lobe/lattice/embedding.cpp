@@ -8,6 +8,8 @@
 
 #include "lobe/assert.h"
 #include "lobe/fem/hooke.h"
+#include "lobe/fem/law.h"
+#include "lobe/fem/law_of.h"
 #include "lobe/numerics/symmetric_eigen.h"
 
 namespace lobe {

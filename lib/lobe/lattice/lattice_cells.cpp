@@ -2,6 +2,9 @@
 
 #include <algorithm>
 
+#include "lobe/fem/law.h"
+#include "lobe/fem/law_of.h"
+
 namespace lobe {
 // A block has cells of one material; its empty lanes have the nodes of its first cell.
 template <class Real>

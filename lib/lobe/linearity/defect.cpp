@@ -3,6 +3,8 @@
 #include <Eigen/Geometry>
 #include <map>
 
+#include "lobe/fem/law.h"
+#include "lobe/fem/law_of.h"
 #include "lobe/numerics/symmetric_eigen.h"
 #include "lobe/region/nodal_pressure.h"
 

@@ -6,6 +6,8 @@
 #include <utility>
 
 #include "lobe/fem/hooke.h"
+#include "lobe/fem/law.h"
+#include "lobe/fem/law_of.h"
 #include "lobe/numerics/supernodal_factor.h"
 #include "lobe/numerics/symmetric_eigen.h"
 

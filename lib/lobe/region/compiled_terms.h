@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <iterator>
 
-#include "lobe/fem/law.h"
+#include "lobe/fem/law_moduli.h"
 
 namespace lobe {
 

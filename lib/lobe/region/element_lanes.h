@@ -1,7 +1,6 @@
 // The data of as many tetrahedra of a block as one register holds. Formulas of one element start from these.
 #pragma once
 
-#include "lobe/fem/law.h"
 #include "lobe/fem/shape.h"
 #include "lobe/numerics/simd.h"
 #include "lobe/region/element_block.h"

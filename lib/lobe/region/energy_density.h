@@ -2,7 +2,8 @@
 // sums of these.
 #pragma once
 
-#include "lobe/fem/elements.h"
+#include "lobe/fem/law.h"
+#include "lobe/fem/law_of.h"
 
 namespace lobe {
 

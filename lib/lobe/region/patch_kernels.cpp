@@ -2,6 +2,7 @@
 // for less often and use the registers for which the whole library is compiled.
 #include <algorithm>
 
+#include "lobe/fem/law.h"
 #include "lobe/region/element_lanes.h"
 #include "lobe/region/patches.h"
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "lobe/assert.h"
+#include "lobe/fem/law_of.h"
 #include "lobe/region/compiled_terms.h"
 
 namespace lobe {

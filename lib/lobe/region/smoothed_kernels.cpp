@@ -1,6 +1,7 @@
 // Compiled once per instruction set, LOBE_KERNELS, which is the namespace that everything here is in.
 #include "lobe/region/smoothed_kernels.h"
 
+#include "lobe/fem/law.h"
 #include "lobe/region/domain_lanes.h"
 
 namespace lobe::LOBE_KERNELS {

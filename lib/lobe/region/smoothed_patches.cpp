@@ -5,6 +5,8 @@
 
 #include "lobe/assert.h"
 #include "lobe/error.h"
+#include "lobe/fem/law.h"
+#include "lobe/fem/law_of.h"
 #include "lobe/region/domain_lanes.h"
 #include "lobe/sort_unique.h"
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "lobe/fem/law_of.h"
 #include "lobe/sort_unique.h"
 
 namespace lobe {

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "lobe/fem/fibre_term.h"
+#include "lobe/fem/hooke.h"
 #include "lobe/sort_unique.h"
 
 namespace lobe {

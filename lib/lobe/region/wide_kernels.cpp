@@ -1,6 +1,7 @@
 // Compiled once per instruction set, LOBE_KERNELS, which is the namespace that everything here is in.
 #include "lobe/region/wide_kernels.h"
 
+#include "lobe/fem/law.h"
 #include "lobe/region/compiled_terms.h"
 #include "lobe/region/element_lanes.h"
 

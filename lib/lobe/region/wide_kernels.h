@@ -3,7 +3,7 @@
 // that an older processor cannot run.
 #pragma once
 
-#include "lobe/fem/law.h"
+#include "lobe/fem/law_moduli.h"
 #include "lobe/instruction_set.h"
 #include "lobe/region/element_block.h"
 #include "lobe/region/term_block.h"

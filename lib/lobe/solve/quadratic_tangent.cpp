@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "lobe/fem/law.h"
+#include "lobe/fem/law_of.h"
 #include "lobe/solve/tangent_factor.h"
 #include "lobe/sort_unique.h"
 

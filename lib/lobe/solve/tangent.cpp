@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lobe/fem/law.h"
+#include "lobe/fem/law_of.h"
 #include "lobe/region/energy_density.h"
 #include "lobe/solve/tangent_factor.h"
 #include "lobe/sort_unique.h"

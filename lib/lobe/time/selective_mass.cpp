@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "lobe/fem/law.h"
+#include "lobe/fem/law_of.h"
 #include "lobe/numerics/lanczos.h"
 #include "lobe/numerics/symmetric_eigen.h"
 

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "lobe/fem/law.h"
+#include "lobe/fem/law_of.h"
 #include "lobe/numerics/symmetric_eigen.h"
 
 namespace lobe {

@@ -132,7 +132,6 @@ class PartResolver {
       : ranks_(ranks), scene_(scene), part_(part), selection_(ranks, part), local_(scene) {
     local_.tools.clear();
     local_.auto_regions.reset();
-    local_.condensed_cache.clear();
   }
 
   Setup run() {

@@ -90,7 +90,7 @@ TEST_CASE("unknown keys are refused with a suggestion") {
        "/tools/0: unknown key \"release\"; known here: \"name\", \"path\", \"radius\", \"type\""},
       {R"({"a\nb": 1, "time": {"x~/": 1}})",
        "scene.json: unknown key \"a\\nb\"; known here: \"$schema\", \"boundary\", \"comment\", "
-       "\"condensed_cache\", \"contact\", \"evaluator\", "
+       "\"contact\", \"evaluator\", "
        "\"gravity\", \"guard_below\", \"loose_pieces\", \"materials\", \"mesh\", \"mesh_scale\", \"name\", "
        "\"output\", "
        "\"regions\", \"skin\", \"time\", "

@@ -107,7 +107,6 @@ TEST_CASE("tools, time and output are read") {
   CHECK(scene.mesh_scale == 0.001);
   CHECK(scene.volume_penalty == 1e5);
   CHECK(scene.guard_below == 0.2);
-  CHECK(scene.condensed_cache == "cache");
   CHECK(scene.skin == "skin.obj");
   CHECK(scene.gravity == Vec3d(0, 0, -9.81));
   CHECK(scene.loose_pieces == LoosePieces::vanish);

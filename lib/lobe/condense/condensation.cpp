@@ -5,7 +5,6 @@
 #include <limits>
 #include <numeric>
 #include <optional>
-#include <span>
 
 #include "lobe/numerics/symmetric_sweep.h"
 
@@ -42,62 +41,6 @@ Condensation::Condensation(std::unique_ptr<SparseFactor> factor, const Matrix& l
   Phi_.resize(0, loads.cols());
   changed_loads_ = Phi_;
   S_ = -loads.transpose() * response_;
-}
-
-namespace {
-
-void put(io::ByteWriter& out, const Matrix& M) {
-  out.put(std::int64_t(M.rows()));
-  out.put_all(std::span(M.data(), std::size_t(M.size())));
-}
-
-Matrix get(io::ByteReader& in, Eigen::Index rows, Eigen::Index columns) {
-  in.expect(in.get<std::int64_t>() == rows);
-  const std::vector<double> values = in.get_all<double>();
-  in.expect(values.size() == std::size_t(rows) * std::size_t(columns));
-  const Eigen::Map<const Matrix> M(values.data(), rows, columns);
-  in.expect(M.allFinite());
-  return M;
-}
-
-}  // namespace
-
-bool Condensation::save(io::ByteWriter& out) const {
-  if (!added_.empty() || !changed_.empty() || !factor_->save(out)) return false;
-  out.put_all(std::span(touched_.data(), touched_.size()));
-  out.put_all(std::span(interface_.data(), interface_.size()));
-  for (const Matrix* M : {&response_, &A_, &N_, &Phi_, &S_}) put(out, *M);
-  return true;
-}
-
-std::unique_ptr<Condensation> Condensation::load(io::ByteReader& in, std::unique_ptr<SparseFactor> factor,
-                                                 const Matrix& loads) {
-  if (!factor->load(in)) return nullptr;
-  in.expect(factor->size() == loads.rows());
-  std::unique_ptr<Condensation> c(new Condensation);
-  c->factor_ = std::move(factor);
-  c->loads_ = loads;
-  c->slot_.assign(std::size_t(loads.rows()), -1);
-  c->column_ = c->slot_;
-  const auto number = [&](const Dofs& dofs, std::vector<Index>& numbers) {
-    for (std::size_t i = 0; i < dofs.size(); ++i) {
-      in.expect(dofs[i] >= 0 && dofs[i] < loads.rows() && numbers[std::size_t(dofs[i])] < 0);
-      numbers[std::size_t(dofs[i])] = static_cast<Index>(i);
-    }
-  };
-  number(c->touched_ = in.get_all<Index>(), c->slot_);
-  number(c->interface_ = in.get_all<Index>(), c->column_);
-  for (Index d : c->interface_) in.expect(c->slot_[std::size_t(d)] >= 0);
-  const auto T = Eigen::Index(c->touched_.size()), B = Eigen::Index(c->interface_.size());
-  const Eigen::Index driven = loads.cols() + B;
-  c->response_ = get(in, loads.rows(), loads.cols());
-  c->A_ = get(in, T, T);
-  c->N_ = get(in, T, T);
-  c->Phi_ = get(in, T, driven);
-  c->S_ = get(in, driven, driven);
-  c->changed_loads_ = Matrix::Zero(T, loads.cols());
-  in.expect_end();
-  return c;
 }
 
 std::vector<Index> Condensation::slots(const Dofs& dofs) const {

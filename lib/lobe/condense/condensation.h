@@ -68,12 +68,6 @@ class Condensation {
   // interface, whichever is larger. O(|T|²).
   double error() const;
 
-  // Call save() before anything is changed or added. It returns false if the factor cannot be stored. load()
-  // takes the same loads as before.
-  bool save(io::ByteWriter& out) const;
-  static std::unique_ptr<Condensation> load(io::ByteReader& in, std::unique_ptr<SparseFactor> factor,
-                                            const Matrix& loads);
-
   // Returns the displacements of all dofs in equilibrium, one column for each column [a; u_B].
   Matrix field(const Matrix& driven) const;
   // While the interface is held, forces act on the interior: all dofs × #columns [N]. These return the forces
@@ -83,7 +77,6 @@ class Condensation {
   Matrix fixed_interface_response(const Matrix& forces) const;
 
  private:
-  Condensation() = default;
   Matrix solve(const Matrix& forces, const Matrix& phi) const;
   Matrix of_added(const Matrix& forces) const;
   double error_of(const Eigen::VectorXd& driven) const;

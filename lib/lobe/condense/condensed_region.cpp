@@ -1,17 +1,40 @@
 #include "lobe/condense/condensed_region.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace lobe {
 
+namespace {
+
+// The springs of the factor no longer hold the interface.
+std::unique_ptr<Condensation> condense(const RegionFactor& region, const Eigen::MatrixXd& loads,
+                                       const Condensation::Dofs& interface, CondensingLog& log,
+                                       const SparseFactorMaker& make_factor) {
+  auto factor = region.factorise(make_factor, log);
+  auto condensed = log.time(CondensingPhase::interface, [&] {
+    auto made = std::make_unique<Condensation>(std::move(factor), loads);
+    made->promote(interface);
+    return made;
+  });
+  const auto count = Eigen::Index(interface.size());
+  Eigen::MatrixXd springs = Eigen::MatrixXd::Zero(count, count);
+  for (Eigen::Index i = 0; i < count; ++i)
+    springs(i, i) = -region.springs[std::size_t(interface[std::size_t(i)])];
+  condensed->change(interface, springs, Eigen::MatrixXd::Zero(count, loads.cols()));
+  return condensed;
+}
+
+}  // namespace
+
 CondensedRegion::CondensedRegion(const RegionFactor& region, const Components& interface, const Matrix& loads,
-                                 CondensedCache& cache, const SparseFactorMaker& make_factor)
+                                 CondensingLog& log, const SparseFactorMaker& make_factor)
     : number_(region.number.data(), region.number.data() + region.number.size()),
       spring_(region.mean_stiffness) {
   Matrix of_rows = Matrix::Zero(region.size, loads.cols());
   for (std::size_t i = 0; i < number_.size(); ++i)
     if (number_[i] >= 0) of_rows.row(number_[i]) = loads.row(Eigen::Index(i));
-  condensation_ = cache.condense(region, of_rows, numbers(interface), make_factor);
+  condensation_ = condense(region, of_rows, numbers(interface), log, make_factor);
 }
 
 Condensation::Dofs CondensedRegion::numbers(const Components& components) const {

@@ -5,7 +5,7 @@
 
 #include <optional>
 
-#include "lobe/condense/condensed_cache.h"
+#include "lobe/condense/condensation.h"
 #include "lobe/condense/region_factor.h"
 
 namespace lobe {
@@ -18,7 +18,7 @@ class CondensedRegion {
   // Condenses the region as it is now to these components.
   CondensedRegion(const RegionFactor& region, const Components& interface,
                   const Matrix& loads,  // 3 × #vertices, #amplitudes [N]
-                  CondensedCache& cache, const SparseFactorMaker& make_factor);
+                  CondensingLog& log, const SparseFactorMaker& make_factor);
 
   bool has(Index component) const { return number(component) >= 0; }
   Index column(Index component) const {  // of the stiffness, less the amplitudes; −1 if it is interior

@@ -64,8 +64,7 @@ void PrecomputedRegion<Real>::find_carried(const Elements& elements) {
     positive += carried_[v];
   }
   for (Index v : shared_) {
-    const double carried = positive > 0 ? std::max(0.0, all) / positive * carried_[v] : 0;
-    carried_[v] = std::isfinite(carried) ? carried : 0;  // a damaged cache's are not
+    carried_[v] = positive > 0 ? std::max(0.0, all) / positive * carried_[v] : 0;
   }
 }
 

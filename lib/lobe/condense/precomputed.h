@@ -20,10 +20,10 @@ namespace lobe {
 template <class Real>
 class PrecomputedRegion {
  public:
-  explicit PrecomputedRegion(CondensedCache cache = CondensedCache(),
+  explicit PrecomputedRegion(CondensingLog log = CondensingLog(),
                              SparseFactorMaker make_factor = make_ldlt,
                              InstructionSet set = chosen_instruction_set())
-      : cache_(std::move(cache)), make_factor_(std::move(make_factor)), stiffness_(set) {}
+      : log_(std::move(log)), make_factor_(std::move(make_factor)), stiffness_(set) {}
 
   // Follows an edit of the mesh or the regions. `edit.vertices` also names vertices that were grasped or
   // released.
@@ -64,8 +64,7 @@ class PrecomputedRegion {
   // acceleration of the interface [m/s²]. The masses are those of find_carried().
   double inertia_error(const Vec3d& acceleration) const;
 
-  std::string take_notice() { return cache_.take_notice(); }        // of the cache
-  const CondensingLog& condensing() const { return cache_.log(); }  // at the start
+  const CondensingLog& condensing() const { return log_; }  // at the start
   Index tet_count() const { return tet_count_; }
   bool has(Index tet) const { return tet < static_cast<Index>(member_.size()) && member_[tet]; }
   Index interface_size() const { return static_cast<Index>(components_.size()); }  // components
@@ -140,7 +139,7 @@ class PrecomputedRegion {
   void build(const Elements& elements);
   void prepare_step(const Elements& elements);
 
-  CondensedCache cache_;
+  CondensingLog log_;
   SparseFactorMaker make_factor_;
 
   std::vector<std::uint8_t> member_;  // per tetrahedron

@@ -86,10 +86,10 @@ std::unique_ptr<CondensedRegion> condensed_anew(const Elements& elements, const 
                                                 const std::vector<Index>& interface, Eigen::MatrixXd loads,
                                                 const SparseFactorMaker& make_factor) {
   add_constants(linearisation, elements, loads);
-  CondensedCache none;
+  CondensingLog unread;
   try {
     return std::make_unique<CondensedRegion>(RegionFactor(elements, roles, linearisation), interface, loads,
-                                             none, make_factor);
+                                             unread, make_factor);
   } catch (const InputError&) {
     return nullptr;
   }
@@ -338,7 +338,7 @@ void PrecomputedRegion<Real>::build(const Elements& elements) {
   const std::vector<Index> components = interface();
   refuse_interface(static_cast<Index>(components.size()));
   take(std::make_unique<CondensedRegion>(RegionFactor(elements, roles_, linearisation_), components, loads(),
-                                         cache_, make_factor_));
+                                         log_, make_factor_));
 }
 
 template <class Real>

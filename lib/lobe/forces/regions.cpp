@@ -9,7 +9,7 @@ template <class Real>
 Regions<Real>::Regions(const Setup& setup, const CondensingLog::Progress& condensing)
     : nonlinear_(setup.evaluator),
       expanded_(setup.evaluator),
-      precomputed_(CondensedCache(setup.condensed_cache, condensing), make_supernodal),
+      precomputed_(CondensingLog(condensing), make_supernodal),
       reduced_(setup.lattice_cell, setup.evaluator),
       expandable_(setup.expandable) {}
 

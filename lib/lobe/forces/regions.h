@@ -43,7 +43,6 @@ class Regions {
               double lattice_cell) const;
   // Whether a region depends on what was held in between, so that a history must say so.
   bool needs_history_of_holds() const { return any_condensed(); }
-  std::string take_notice() { return precomputed_.take_notice(); }  // of the cache
 
   // While the region is expanded, its pre-computed tetrahedra are non-linear. After each change, masses and
   // loads of condensed_vertices() must be computed anew.

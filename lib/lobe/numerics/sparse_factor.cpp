@@ -14,23 +14,6 @@ namespace {
 
 using Simplicial = Eigen::SimplicialLDLT<SparseFactor::Matrix, Eigen::Lower, Eigen::MetisOrdering<int>>;
 
-// Eigen's factor, whose contents can be set from outside.
-class EigenLdlt : public Simplicial {
- public:
-  void set(SparseFactor::Matrix L, Eigen::VectorXd D, const Eigen::VectorXi& places) {
-    SparseFactor::Matrix any(4, 4);
-    any.setIdentity();
-    {
-      const auto metis = lock_metis();
-      compute(any);  // Eigen is ready by its own work only
-    }
-    m_matrix = std::move(L);
-    m_diag = std::move(D);
-    m_P.indices() = places;
-    m_Pinv = m_P.inverse();
-  }
-};
-
 class Ldlt : public SparseFactor {
  public:
   const char* name() const override { return "Eigen simplicial LDLT, METIS nested dissection"; }
@@ -51,13 +34,11 @@ class Ldlt : public SparseFactor {
   Eigen::VectorXd solve(const Eigen::VectorXd& b) const override { return factor_.solve(b); }
   Eigen::MatrixXd inverse_block(const std::vector<int>& rows, const std::vector<int>& columns) const override;
   long long nonzeros() const override { return L().nonZeros(); }
-  bool save(io::ByteWriter& out) const override;
-  bool load(io::ByteReader& in) override;
 
  private:
   const Matrix& L() const { return factor_.matrixL().nestedExpression(); }  // without its diagonal of ones
 
-  EigenLdlt factor_;
+  Simplicial factor_;
 };
 
 // Several right-hand sides at once, one row per unknown, so that L is read once for all of them.
@@ -141,37 +122,6 @@ Eigen::MatrixXd Ldlt::inverse_block(const std::vector<int>& rows, const std::vec
       block.row(i).segment(first, count) = x.row(place[rows[std::size_t(i)]]).head(count);
   }
   return block;
-}
-
-template <class Values>
-auto span_of(const Values& values, Eigen::Index count) {
-  return std::span(values, std::size_t(count));
-}
-
-bool Ldlt::save(io::ByteWriter& out) const {
-  const Matrix& factor = L();
-  const Eigen::VectorXd D = factor_.vectorD();
-  out.put_all(span_of(factor.outerIndexPtr(), factor.cols() + 1));
-  out.put_all(span_of(factor.innerIndexPtr(), factor.nonZeros()));
-  out.put_all(span_of(factor.valuePtr(), factor.nonZeros()));
-  out.put_all(span_of(D.data(), D.size()));
-  out.put_all(span_of(factor_.permutationP().indices().data(), D.size()));
-  return factor.isCompressed();
-}
-
-bool Ldlt::load(io::ByteReader& in) {
-  const auto begin = in.get_all<int>(), row = in.get_all<int>();
-  const auto value = in.get_all<double>(), D = in.get_all<double>();
-  const auto place = in.get_all<int>();
-  const auto size = static_cast<int>(D.size()), count = static_cast<int>(row.size());
-  in.expect(begin.size() == D.size() + 1 && place.size() == D.size() && value.size() == row.size());
-  in.expect(begin.front() == 0 && begin.back() == count && std::is_sorted(begin.begin(), begin.end()));
-  const auto is_row = [&](int i) { return i >= 0 && i < size; };
-  in.expect(std::all_of(row.begin(), row.end(), is_row) && std::all_of(place.begin(), place.end(), is_row));
-  factor_.set(Eigen::Map<const Matrix>(size, size, count, begin.data(), row.data(), value.data()),
-              Eigen::Map<const Eigen::VectorXd>(D.data(), size),
-              Eigen::Map<const Eigen::VectorXi>(place.data(), size));
-  return true;
 }
 
 }  // namespace

@@ -7,8 +7,6 @@
 #include <memory>
 #include <vector>
 
-#include "lobe/file/sealed_file.h"
-
 namespace lobe {
 
 class SparseFactor {
@@ -29,9 +27,6 @@ class SparseFactor {
   // Rows × columns of A⁻¹, both by their numbers in A.
   virtual Eigen::MatrixXd inverse_block(const std::vector<int>& rows, const std::vector<int>& columns) const;
   virtual long long nonzeros() const = 0;  // of the factor
-  // Saves and loads a factor, so that it need not be computed again. False if that is not available.
-  virtual bool save(io::ByteWriter&) const { return false; }
-  virtual bool load(io::ByteReader&) { return false; }
 };
 
 using SparseFactorMaker = std::function<std::unique_ptr<SparseFactor>()>;

@@ -24,8 +24,6 @@ class Supernodal : public SparseFactor {
   Dense solve_all(const Dense& B) const override;
   Dense inverse_block(const std::vector<int>& rows, const std::vector<int>& columns) const override;
   long long nonzeros() const override { return static_cast<long long>(values_.size()); }
-  bool save(io::ByteWriter& out) const override;
-  bool load(io::ByteReader& in) override;
 
  private:
   using Block = Eigen::Map<const Dense>;
@@ -211,41 +209,6 @@ Supernodal::Dense Supernodal::inverse_block(const std::vector<int>& rows,
     for (std::size_t c = 0; c < count; ++c) block.col(order[begin + c]) = x.row(Eigen::Index(c))(places);
   }
   return block;
-}
-
-bool Supernodal::save(io::ByteWriter& out) const {
-  const auto put = [&](const std::vector<int>& list) { out.put_all(std::span(list.data(), list.size())); };
-  put(nodes_.place);
-  put(nodes_.first);
-  for (const std::vector<int>& rows : nodes_.below) put(rows);
-  out.put_all(std::span(values_.data(), values_.size()));
-  return true;
-}
-
-bool Supernodal::load(io::ByteReader& in) {
-  nodes_ = {};
-  nodes_.place = in.get_all<int>();
-  nodes_.first = in.get_all<int>();
-  const auto size = static_cast<int>(nodes_.place.size());
-  in.expect(!nodes_.first.empty() && nodes_.first.front() == 0 && nodes_.first.back() == size &&
-            std::is_sorted(nodes_.first.begin(), nodes_.first.end()));
-  const auto is_place = [&](int i) { return i >= 0 && i < size; };
-  std::vector<char> taken(nodes_.place.size());
-  for (int i : nodes_.place) {
-    in.expect(is_place(i) && !taken[std::size_t(i)]);
-    taken[std::size_t(i)] = 1;
-  }
-  for (std::size_t s = 0; s + 1 < nodes_.first.size(); ++s) {
-    const std::vector<int>& rows = nodes_.below.emplace_back(in.get_all<int>());
-    in.expect(std::is_sorted(rows.begin(), rows.end()) && std::all_of(rows.begin(), rows.end(), is_place) &&
-              (rows.empty() || rows.front() >= nodes_.first[s + 1]));
-  }
-  nodes_.number();
-  find_places();
-  values_ = in.get_all<double>();
-  in.expect(values_.size() == begin_.back() &&
-            std::all_of(values_.begin(), values_.end(), [](double value) { return std::isfinite(value); }));
-  return true;
 }
 
 }  // namespace

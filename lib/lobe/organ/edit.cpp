@@ -173,8 +173,6 @@ void Organ<Real>::follow(RegionEdit edit) {
   body_.regions.follow(elements(), edit);
   update_vertices_apart(edit.vertices);
   const std::vector<Index> mechanism = body_.regions.follow_condensed(body_.model, edit, body_.loads);
-  if (const std::string text = body_.regions.take_notice(); !text.empty())
-    notice(Condition::Kind::cache, text);
   if (body_.regions.is_expanded()) {
     update_vertices(edit.vertices);
   } else if (body_.regions.condensed_has_changed()) {

@@ -20,8 +20,6 @@ template <>
 inline constexpr auto left_out<ObstacleSetup> = std::tuple(&ObstacleSetup::name);
 template <>
 inline constexpr auto left_out<TetMesh> = std::tuple(&TetMesh::labels);
-template <>
-inline constexpr auto left_out<Setup> = std::tuple(&Setup::condensed_cache);
 // A state is saved between two frames. These are sums over the present one.
 template <>
 inline constexpr auto left_out<Scalpel> = std::tuple(&Scalpel::work, &Scalpel::length, &Scalpel::way);

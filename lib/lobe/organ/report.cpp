@@ -16,8 +16,6 @@ const char* name(Condition::Kind kind) {
       return "pieces";
     case Condition::Kind::everything_cut:
       return "everything_cut";
-    case Condition::Kind::cache:
-      return "cache";
     case Condition::Kind::unravelling:
       return "unravelling";
     case Condition::Kind::lumped:

@@ -21,7 +21,6 @@ struct Condition {
     near_inversion,  // a tetrahedron is below 5 % of its volume. Remedy: a volume penalty, a finer mesh there
     pieces,          // a cut set pieces loose. They do what the scene's loose_pieces says
     everything_cut,  // no tetrahedron is left
-    cache,           // a file of the condensed cache could not be read or written. Nothing to do
     unravelling,     // a tangle is linear until it has come back, or is non-linear again. See the text
     lumped,     // selective masses are lumped while tetrahedra are crushed, or are selective again. Steps
                 // are shorter meanwhile. Nothing to do

@@ -151,12 +151,15 @@ class Explainer {
   void check_object(const json& object, const json& schema, const std::string& place) {
     if (is_tagged_union(schema)) return check_tagged_union(object, schema, place);
     const json& properties = schema.contains("properties") ? schema["properties"] : empty_;
+    const json& removed = schema.contains("removed") ? schema["removed"] : empty_;
     const std::vector<std::string> known = keys_of(properties);
     json meant = json::object();  // misspelt keys put right, so that none of them is also reported as missing
     for (const auto& [key, value] : object.items()) meant[key] = nullptr;
     for (const auto& [key, value] : object.items()) {
       if (properties.contains(key)) {
         check(value, properties[key], child_pointer(place, key));
+      } else if (removed.contains(key)) {
+        add(child_pointer(place, key), "is gone: " + removed[key].get<std::string>());
       } else if (schema.contains("additionalProperties")) {
         refuse_key(key, known, place);
         const std::string nearest = nearest_word(key, known);

@@ -4,6 +4,7 @@
 // A validator's own messages name branches and constraints of the schema. These messages name the place, the
 // value found and what was expected. Of several alternatives they name only the one that was meant. It
 // understands the keywords that scene.schema.json uses; a test compares its verdict with the validator's.
+// "removed" lists keys that an earlier format had, each with what to do instead.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>

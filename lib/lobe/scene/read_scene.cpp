@@ -231,8 +231,6 @@ Scene from_document(const json& document) {
   if (pieces == "vanish") scene.loose_pieces = LoosePieces::vanish;
   if (pieces == "stay") scene.loose_pieces = LoosePieces::stay;
   if (document.value("evaluator", "direct") == "stored") scene.evaluator = Evaluator::stored;
-  const std::string cache = document.value("condensed_cache", "");
-  scene.condensed_cache = std::u8string(cache.begin(), cache.end());
   const std::string skin = document.value("skin", "");
   scene.skin = std::u8string(skin.begin(), skin.end());
   if (document.contains("time")) read_time(document["time"], scene.time);

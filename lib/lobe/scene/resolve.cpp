@@ -225,8 +225,6 @@ Resolved resolve(const Scene& scene, TetMesh mesh, const ResolveOptions& options
   setup.gravity = scene.gravity;
   setup.volume_penalty = scene.volume_penalty;
   setup.guard_below = scene.guard_below;
-  if (!scene.condensed_cache.empty())
-    setup.condensed_cache = scene.file.parent_path() / scene.condensed_cache;
   setup.evaluator = scene.evaluator;
   setup.loose_pieces = scene.loose_pieces;
   setup.damping = scene.time.damping;

@@ -214,7 +214,6 @@ struct Scene {
   LoosePieces loose_pieces = LoosePieces::fall;
   Evaluator evaluator = Evaluator::direct;
   // Folder for condensed regions, absolute or relative to the scene file; empty: nothing is stored.
-  std::filesystem::path condensed_cache;
   std::filesystem::path skin;  // OBJ file of a finer surface to show, likewise; empty: there is none
   Time time;
   Output output;

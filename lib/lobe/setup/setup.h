@@ -2,7 +2,6 @@
 #pragma once
 
 #include <array>
-#include <filesystem>
 #include <string>
 #include <tuple>
 #include <vector>
@@ -81,10 +80,8 @@ struct Setup : Body, ToolSetups {
   double lattice_cell = 0;  // edge of the cells of reduced regions [m]; 0: chosen by their size
   bool expandable = false;  // pre-computed regions may be non-linear for a while (command Expand)
   ContactSetup contact;
-  // Folder for condensed regions (condensed_cache.h); empty: nothing is stored.
-  std::filesystem::path condensed_cache;
 
-  // What decides how a world moves, for fingerprint(): no names and no folders.
+  // What decides how a world moves, for fingerprint(): no names.
   static constexpr auto fields = std::tuple_cat(
       Body::fields,
       std::tuple(&Setup::prescribed, &Setup::face_loads, &Setup::vertex_loads, &Setup::gravity,

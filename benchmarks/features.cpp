@@ -91,7 +91,6 @@ const std::vector<Feature>& features() {
          add_loads(s);
          s.load_ramp = later;
        }},
-      {"mass scaling", "1.5 %: fewer steps", [](Setup& s) { s.mass_scaling = 0.015; }},
       {"selective mass", "degree 9: far fewer steps, each dearer", [](Setup& s) { s.selective_mass = 9; }},
       {"sleep", "of a body at rest", [](Setup& s) { s.sleep = 1e-6; }},
       {"grasp", "of one side", [](Setup& s) { add_grasp(s, 0); }},

@@ -69,9 +69,6 @@ void add_options(std::vector<GoldenRun>& runs) {
 
   add_golden(runs, "nodal pressure", averaged(box_with_tools(RegionModel::nonlinear)), frames, frame,
              nothing);
-  setup = box_with_tools(RegionModel::tensor_mass);
-  setup.mass_scaling = 0.05;
-  add_golden(runs, "scaled masses", setup, frames, frame, nothing);
   setup = squeezed_bar();
   add_golden(runs, "guard and a tangle that is unravelled", setup, frames, 0.2, nothing);
   setup.selective_mass = 5;

@@ -86,12 +86,9 @@ TEST_CASE("so it is with precomputed regions, in a fixed frame and in one that t
   check_that_doubled_is_the_same(setup);
 }
 
-TEST_CASE("so it is with selective masses, and with masses that are scaled") {
+TEST_CASE("so it is with selective masses") {
   Setup setup = clamped(hybrid_setup(irregular_box()));
   setup.selective_mass = 2;
-  check_that_doubled_is_the_same(setup);
-  setup.selective_mass = 1;
-  setup.mass_scaling = 0.05;
   check_that_doubled_is_the_same(setup);
 }
 

@@ -111,20 +111,6 @@ TEST_CASE("steps and times of the report fit together") {
   CHECK(result.summary.find(steps) != std::string::npos);
 }
 
-TEST_CASE("the report tells added mass and the longer step, where mass was asked for") {
-  const Folder folder;
-  play(write_scene_files(folder), folder.path / "plain");
-  Json scene = small_scene();
-  scene["time"]["mass_scaling"] = 0.05;
-  play(write_scene_files(folder, scene), folder.path / "scaled");
-  const Json plain = report_in(folder.path / "plain"), scaled = report_in(folder.path / "scaled");
-  CHECK_FALSE(plain.contains("mass_scaling"));
-  CHECK(number(scaled, "/mass_scaling/share") == near(0.05, 1e-6));
-  CHECK(number(scaled, "/mass_scaling/limit_before_s") == number(plain, "/time_step_s/limit_at_rest"));
-  CHECK(number(scaled, "/mass_scaling/limit_after_s") == number(scaled, "/time_step_s/limit_at_rest"));
-  CHECK(number(scaled, "/time_step_s/limit_at_rest") > number(plain, "/time_step_s/limit_at_rest"));
-}
-
 TEST_CASE("selective masses take the place of corrected regions, and the report tells their degrees") {
   const Folder folder;
   Json json = small_scene();

@@ -21,11 +21,7 @@ Setup guarded() {
 
 }  // namespace
 
-TEST_CASE("where masses are scaled or tetrahedra guarded, a cut changes nothing at once") {
-  Setup setup = hybrid_setup(cells());
-  setup.mass_scaling = 0.05;
-  CHECK(World<double>(setup).body().inertia.scaling().added > 0);
-  check_that_a_cut_changes_nothing_at_once(setup);
+TEST_CASE("where tetrahedra are guarded, a cut changes nothing at once") {
   check_that_a_cut_changes_nothing_at_once(guarded());
 }
 
@@ -66,27 +62,6 @@ TEST_CASE("with selective masses or a guard, a cut body equals one built afresh"
   CHECK(world.body().inertia.degree() == 3);
   CHECK(world.energies().kinetic == near(fresh.energies().kinetic, 1e-12));  // with all couplings
   check_that_it_equals_one_built_afresh(guarded());
-}
-
-// A body built afresh adds mass elsewhere. Here copies keep the factor of their vertex.
-TEST_CASE("with scaled masses, forces of a cut body equal those of one built afresh") {
-  Setup setup = hybrid_setup(cells());
-  setup.mass_scaling = 0.05;
-  setup.cut_step = 0;
-  World<double> world = moving_world<double>(setup);
-  const std::vector<double> whole = world.body().inertia.mass();
-  std::vector<double> factors;
-  for (Index v = 0; v < setup.mesh.vertex_count(); ++v)
-    factors.push_back(whole[std::size_t(v)] / lumped_mass(world.elements(), v));
-  CHECK(*std::max_element(factors.begin(), factors.end()) > 1.2);
-  cut(world, incisions_of(setup.mesh, 3));
-  const RebuildDifference d = compare_with_rebuilt(world);
-  CHECK(d.force < 1e-12);
-  CHECK(d.same_regions);
-  for (Index v = 0; v < world.elements().topology.vertex_count(); ++v)
-    CHECK(world.body().inertia.mass()[std::size_t(v)] ==
-          near(factors[std::size_t(world.elements().topology.origin(v))] * lumped_mass(world.elements(), v),
-               1e-12));
 }
 
 // Mass of the floor moves with its vertex: that, and nothing else, adds momentum and energy. (Pieces that

@@ -115,7 +115,6 @@ TEST_CASE("tools, time and output are read") {
   CHECK(scene.time.frame == 0.02);
   CHECK(scene.time.damping == 20);
   CHECK(scene.time.safety == 0.8);
-  CHECK(scene.time.mass_scaling == 0.015);
   CHECK(scene.time.selective_mass == 9);
   CHECK(scene.time.ramp == 0.25);
   CHECK(scene.time.precision == Precision::double_precision);
@@ -133,7 +132,7 @@ TEST_CASE("an absolute mesh path stays absolute") {
 TEST_CASE("with absolute paths a scene names the same files in any folder") {
   const std::string shape = R"({"mesh": {"file": "shapes/tip.obj"}})";
   const Scene scene = parse_scene(
-      R"({"mesh": "a.vtu", "skin": "b.obj", "condensed_cache": "c", "materials": [{"lame_lambda": 1, "lame_mu": 1}],
+      R"({"mesh": "a.vtu", "skin": "b.obj", "materials": [{"lame_lambda": 1, "lame_mu": 1}],
           "tools": [{"type": "probe", "shape": )" +
           shape + R"(, "path": [[0, 0, 0, 0], [1, 0, 0, 0]]}],
           "contact": {"obstacles": [{"shape": {"mesh": {"file": "/d.obj"}}, "position": [0, 0, 0]},
@@ -143,14 +142,12 @@ TEST_CASE("with absolute paths a scene names the same files in any folder") {
   const std::filesystem::path folder = std::filesystem::current_path() / "dir";
   CHECK(mesh_path(moved) == folder / "a.vtu");
   CHECK(skin_path(moved) == folder / "b.obj");
-  CHECK(moved.condensed_cache == folder / "c");
   CHECK(moved.tools.at(0).shape_file == folder / "shapes/tip.obj");
   CHECK(moved.obstacle_files == std::vector<std::filesystem::path>{"/d.obj", ""});
   const Scene plain = with_absolute_paths(
       parse_scene(R"({"mesh": "a.vtu", "materials": [{"lame_lambda": 1, "lame_mu": 1}]})", "scene.json"));
   CHECK(plain.mesh == std::filesystem::current_path() / "a.vtu");
   CHECK(plain.skin.empty());
-  CHECK(plain.condensed_cache.empty());
 }
 
 TEST_CASE("a scene is read from its file") {

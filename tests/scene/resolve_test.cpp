@@ -60,7 +60,7 @@ const std::string clamp = R"({"fix": true, "where": {"box": {"min": [-1, -1, -1]
 TEST_CASE("a plain scene resolves without a warning") {
   const Resolved result =
       resolved(R"({"volume_penalty": 5, "guard_below": 0.3, "gravity": [0, 0, -9.81], "evaluator": "stored",
-    "loose_pieces": "stay", "time": {"damping": 3, "safety": 0.5, "mass_scaling": 0.01, "selective_mass": 5, "ramp": 0.2, "load_ramp": 0.3, "sleep": 1e-5}})");
+    "loose_pieces": "stay", "time": {"damping": 3, "safety": 0.5, "selective_mass": 5, "ramp": 0.2, "load_ramp": 0.3, "sleep": 1e-5}})");
   const Setup& setup = result.setup;
   CHECK(result.warnings.empty());
   CHECK(setup.mesh.tet_count() == 24);
@@ -82,7 +82,6 @@ TEST_CASE("a plain scene resolves without a warning") {
   CHECK(setup.loose_pieces == LoosePieces::stay);
   CHECK(setup.damping == 3);
   CHECK(setup.safety == 0.5);
-  CHECK(setup.mass_scaling == 0.01);
   CHECK(setup.selective_mass == 5);
   CHECK(setup.ramp == 0.2);
   CHECK(setup.load_ramp == 0.3);

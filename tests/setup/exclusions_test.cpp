@@ -56,9 +56,6 @@ void ask_for(Setup& setup, Option option) {
     case Option::selective_mass:
       setup.selective_mass = 5;
       break;
-    case Option::mass_scaling:
-      setup.mass_scaling = 0.01;
-      break;
     case Option::implicit:
       setup.integrator = Integrator::generalised_alpha;
       break;
@@ -135,11 +132,11 @@ TEST_CASE("options of one material are refused together by name, and accepted in
 
 TEST_CASE("a running world refuses what its setup excludes, and has then changed nothing") {
   Setup setup = setup_of(irregular_box(3));
-  setup.mass_scaling = 0.01;
+  setup.selective_mass = 5;
   for (Index v = 0; v < setup.mesh.vertex_count(); ++v) setup.prescribed.push_back({v, Vec3d::Zero()});
   World<double> world(setup);
-  CHECK_THROWS_WITH_AS(world.apply(SetRegion{{0, 1}, RegionModel::precomputed}),
-                       doctest::Contains("\"mass_scaling\" does not go with \"model\": \"precomputed\""),
+  CHECK_THROWS_WITH_AS(world.apply(SetRegion{{0, 1}, RegionModel::reduced}),
+                       doctest::Contains("\"model\": \"reduced\" does not go with \"selective_mass\""),
                        InputError);
   CHECK(world.elements().region_of[0] == RegionModel::nonlinear);
   CHECK(world.journal().edits.empty());

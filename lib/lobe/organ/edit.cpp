@@ -107,7 +107,6 @@ void Organ<Real>::follow(const MeshEdit& edit) {
     motion.u.col(split.copy) = motion.u.col(split.vertex);
     motion.v.col(split.copy) = motion.v.col(split.vertex);
     body_.model.held.split(split.vertex, split.copy);
-    body_.inertia.copy(split.vertex, split.copy);
   }
   if (!edit.shares.empty()) {
     blades_.hold_what_is_filled(edit, body_.model);

@@ -74,26 +74,7 @@ Organ<Real>::Organ(const Setup& setup, int threads, const CondensingLog::Progres
   }
   limit_.measure_at_rest(body_);
   embed();
-  if (setup.mass_scaling > 0) scale_masses(setup.mass_scaling);
   if (!setup.scalpels.empty()) prepare_blades();
-}
-
-template <class Real>
-void Organ<Real>::scale_masses(double share) {
-  MassScaling& scaling = body_.inertia.scaling();
-  scaling.limit_before = limit_.find(body_);
-  const std::vector<double>& mass = body_.inertia.mass();
-  std::vector<Index> all(mass.size());
-  std::iota(all.begin(), all.end(), 0);
-  std::vector<double> squares;
-  for (Index v : all) squares.push_back(limit_.exact_square(body_, v));
-  const double total = std::accumulate(mass.begin(), mass.end(), 0.0);
-  body_.inertia.scale(squares, share);
-  update_vertices(all);
-  scaling.added = std::accumulate(mass.begin(), mass.end(), 0.0) - total;
-  scaling.share = scaling.added / total;
-  limit_.measure_at_rest(body_);
-  scaling.limit_after = limit_.find(body_);
 }
 
 // ---- State

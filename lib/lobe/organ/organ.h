@@ -169,7 +169,6 @@ class Organ {
   void update_inverse_masses(const std::vector<Index>& vertices);
   void take_over(const std::vector<Index>& vertices);
   void find_carried();
-  void scale_masses(double share);
   Index treat_loose(const std::vector<std::vector<Index>>& pieces);
   void freeze(const std::vector<Index>& piece);
   void check_tets(const std::vector<Index>& tets) const;

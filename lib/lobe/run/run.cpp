@@ -77,11 +77,6 @@ void add_parts_in_use(Json& report, const World<Real>& world, const Scene& scene
     report["scalpel"] = {{"cut_area_m2", totals.cut_area},
                          {"tetrahedra_copied", totals.tets_copied},
                          {"mass_added_kg", totals.mass_added}};
-  if (const MassScaling& scaling = world.body().inertia.scaling(); scaling.added > 0)
-    report["mass_scaling"] = {{"added_kg", scaling.added},
-                              {"share", scaling.share},
-                              {"limit_before_s", scaling.limit_before},
-                              {"limit_after_s", scaling.limit_after}};
 }
 
 template <class Real>

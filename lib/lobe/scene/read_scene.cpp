@@ -147,7 +147,6 @@ void read_time(const json& object, Time& time) {
   read(object, "damping", time.damping);
   read(object, "safety", time.safety);
   read(object, "cut_step", time.cut_step);
-  read(object, "mass_scaling", time.mass_scaling);
   read(object, "selective_mass", time.selective_mass);
   read(object, "ramp", time.ramp);
   read(object, "load_ramp", time.load_ramp);
@@ -277,7 +276,6 @@ Scene with_absolute_paths(Scene scene) {
     if (!path.empty()) path = folder / path;
   };
   complete(scene.mesh);
-  complete(scene.condensed_cache);
   complete(scene.skin);
   for (Tool& tool : scene.tools) complete(tool.shape_file);
   for (std::filesystem::path& file : scene.obstacle_files) complete(file);

@@ -230,7 +230,6 @@ Resolved resolve(const Scene& scene, TetMesh mesh, const ResolveOptions& options
   setup.damping = scene.time.damping;
   setup.safety = scene.time.safety;
   setup.cut_step = scene.time.cut_step;
-  setup.mass_scaling = scene.time.mass_scaling;
   setup.selective_mass = scene.time.selective_mass;
   setup.integrator = scene.time.integrator;
   setup.implicit_step = scene.time.step;

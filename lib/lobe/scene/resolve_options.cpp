@@ -56,8 +56,6 @@ std::vector<std::string> places_of(const Scene& scene, Option option) {
       return place_if(time.sleep > 0, "/time/sleep");
     case Option::selective_mass:
       return place_if(time.selective_mass > 1, "/time/selective_mass");
-    case Option::mass_scaling:
-      return place_if(time.mass_scaling > 0, "/time/mass_scaling");
     case Option::implicit:
       return place_if(time.integrator == Integrator::generalised_alpha, "/time/integrator");
     case Option::force_terms: {

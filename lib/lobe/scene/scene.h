@@ -166,7 +166,6 @@ struct Time {
   double damping = 0;       // γ [1/s], mass-proportional
   double safety = 0.9;      // time step = safety × 2/ω_max
   double cut_step = 0.75;   // share of the uncut body's time step that scalpels should leave; 0: no mass
-  double mass_scaling = 0;  // mass added to lengthen the time step, as a share of the body's
   int selective_mass = 1;   // degree of the inverse mass (time/selective_mass.h); 1: masses are lumped
   double ramp = 0.1;        // [s] over which prescribed displacements are reached
   double load_ramp = 0;     // [s] over which tractions and forces grow to their full size

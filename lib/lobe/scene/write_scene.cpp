@@ -155,7 +155,6 @@ ordered_json write(const Time& time) {
           {"damping", time.damping},
           {"safety", time.safety},
           {"cut_step", time.cut_step},
-          {"mass_scaling", time.mass_scaling},
           {"selective_mass", time.selective_mass},
           {"ramp", time.ramp},
           {"load_ramp", time.load_ramp},

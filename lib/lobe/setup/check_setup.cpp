@@ -82,7 +82,6 @@ void Checker::check_materials() {
   expect(setup_.safety > 0 && setup_.safety <= 2, "safety must be in (0, 2]");
   expect(setup_.selective_mass >= 1 && setup_.selective_mass <= highest_mass_degree,
          "selective_mass must be in [1, 16]");
-  expect(setup_.mass_scaling >= 0 && setup_.mass_scaling <= 0.2, "mass_scaling must be in [0, 0.2]");
   expect(setup_.cut_step >= 0 && setup_.cut_step <= 1, "cut_step must be in [0, 1]");
   expect(not_negative(setup_.cut_frequency), "cut_frequency must be finite and not negative");
   for (const Elastic& e : setup_.materials)

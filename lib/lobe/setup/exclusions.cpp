@@ -14,12 +14,9 @@ constexpr Exclusion table[] = {
      "leave one of them out"},
     {Option::sleep, Option::implicit, "an implicit step solves for every vertex", "leave it out"},
     {Option::selective_mass, Option::implicit, "it lengthens explicit steps", "leave it out"},
-    {Option::mass_scaling, Option::implicit, "it lengthens explicit steps", "leave it out"},
     {Option::force_terms, Option::implicit, "its tangent does not know their stiffness",
      "use external forces, or the explicit integrator"},
     {Option::single_precision, Option::implicit, "its iterations need more digits", "use double precision"},
-    {Option::mass_scaling, Option::precomputed, "a precomputed region's interior has no mass to add to",
-     "use \"tensor-mass\", or \"selective_mass\""},
     {Option::nodal_pressure, Option::stored, "the stored polynomial has no averages of several tetrahedra",
      "use \"direct\""},
     {Option::edge_smoothed, Option::stored, "the stored polynomial is of each tetrahedron alone",
@@ -44,8 +41,6 @@ constexpr Exclusion table[] = {
     {Option::reduced, Option::implicit, "an implicit step solves for every vertex", "use \"nonlinear\""},
     {Option::reduced, Option::sleep, "nodes of its lattice do not sleep", "leave one of them out"},
     {Option::reduced, Option::selective_mass, "selective masses couple vertices, not nodes",
-     "leave one of them out"},
-    {Option::reduced, Option::mass_scaling, "embedded vertices have no mass to add to",
      "leave one of them out"},
     {Option::reduced, Option::nodal_pressure, "a cell of the lattice has no nodal pressure",
      "leave one of them out"},
@@ -94,8 +89,6 @@ const char* name(Option option) {
       return "\"sleep\"";
     case Option::selective_mass:
       return "\"selective_mass\"";
-    case Option::mass_scaling:
-      return "\"mass_scaling\"";
     case Option::force_terms:
       return "a probe, a force term or springs";
     case Option::implicit:
@@ -132,7 +125,6 @@ Options options_of(const Setup& setup) {
   used.add(Option::stored, setup.evaluator == Evaluator::stored);
   used.add(Option::sleep, setup.sleep > 0);
   used.add(Option::selective_mass, setup.selective_mass > 1);
-  used.add(Option::mass_scaling, setup.mass_scaling > 0);
   used.add(Option::force_terms, !setup.probes.empty() || setup.contact.is_on());
   used.add(Option::implicit, setup.integrator == Integrator::generalised_alpha);
   return used;

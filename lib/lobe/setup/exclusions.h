@@ -29,7 +29,6 @@ enum class Option : std::uint8_t {
   stored,
   sleep,
   selective_mass,
-  mass_scaling,
   force_terms,  // World::add(), springs
   implicit,
   single_precision,

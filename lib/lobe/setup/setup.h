@@ -69,7 +69,6 @@ struct Setup : Body, ToolSetups {
   double cut_step = 0.75;
   // The highest frequency of a vertex at a cut, ω* [rad/s]; 0: that of the uncut body over cut_step.
   double cut_frequency = 0;
-  double mass_scaling = 0;  // mass added to lengthen the time step, as a share of the body's (mass_scaling.h)
   int selective_mass = 1;   // s of theory (7.8), 1…16: the stable step grows with it; 1: masses are lumped
   Integrator integrator = Integrator::central_difference;
   double implicit_step = 0;      // [s], at most this; 0: one step per call of advance()
@@ -86,7 +85,7 @@ struct Setup : Body, ToolSetups {
       Body::fields,
       std::tuple(&Setup::prescribed, &Setup::face_loads, &Setup::vertex_loads, &Setup::gravity,
                  &Setup::evaluator, &Setup::loose_pieces, &Setup::damping, &Setup::safety, &Setup::cut_step,
-                 &Setup::cut_frequency, &Setup::mass_scaling, &Setup::selective_mass, &Setup::integrator,
+                 &Setup::cut_frequency, &Setup::selective_mass, &Setup::integrator,
                  &Setup::implicit_step, &Setup::spectral_radius, &Setup::ramp, &Setup::load_ramp,
                  &Setup::sleep, &Setup::lattice_cell, &Setup::expandable, &Setup::contact),
       ToolSetups::fields);

@@ -118,8 +118,8 @@ class World {
   Checkpoint<Real> save() const;
   void restore(const Checkpoint<Real>& checkpoint);
   const Journal& journal() const { return organ_.journal(); }  // what it was built from, and its edits since
-  // Returns the cut body at rest as a setup, without displacements, velocities and time. Mass scaling is
-  // computed anew. `compacted` says where the vertices and tetrahedra of that setup come from.
+  // Returns the cut body at rest as a setup, without displacements, velocities and time. `compacted` says
+  // where the vertices and tetrahedra of that setup come from.
   Setup current_setup(CompactMesh& compacted) const { return organ_.current_setup(compacted); }
 
  private:

@@ -1,8 +1,6 @@
 #include "lobe/time/inertia.h"
-#include "lobe/assert.h"
 
 #include <limits>
-#include <numeric>
 #include <string>
 
 #include "lobe/assert.h"
@@ -11,18 +9,11 @@
 namespace lobe {
 
 template <class Real>
-void Inertia<Real>::copy(Index vertex, Index copy) {
-  if (factor_.empty()) return;
-  factor_.resize(std::size_t(copy) + 1, 1);
-  factor_[std::size_t(copy)] = factor_[std::size_t(vertex)];
-}
-
-template <class Real>
 void Inertia<Real>::update(const Model& model, const std::vector<Index>& vertices) {
   const auto n = std::size_t(model.elements.topology.vertex_count());
   for (auto* masses : {&mass_, &inverse_mass_}) masses->resize(n, 0);
   add_edits(vertices);
-  for (Index v : vertices) mass_[v] = own_mass(model.elements, v);
+  for (Index v : vertices) mass_[v] = lumped_mass(model.elements, v);
   raise_to_floor(model, vertices);
 }
 
@@ -51,11 +42,6 @@ void Inertia<Real>::update_inverse(Model& model, Index v) {
   lobe_assert(mass_[v] >= 0, "a vertex's mass is below 0, or not a number");
   inverse_mass_[v] = mass_[v] > 0 && !model.held.fixes(v) ? 1 / mass_[v] : 0;
   ++model.revisions.inertia;
-}
-
-template <class Real>
-void Inertia<Real>::scale(const std::vector<double>& squares, double share) {
-  factor_ = mass_factors(mass_, squares, share * std::accumulate(mass_.begin(), mass_.end(), 0.0));
 }
 
 template <class Real>

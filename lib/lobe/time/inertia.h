@@ -1,4 +1,4 @@
-// Inertia of a body: lumped masses, scaled masses or selective masses. It also lists the vertices that a step
+// Inertia of a body: lumped or selective masses. It also lists the vertices that a step
 // moves.
 #pragma once
 
@@ -6,7 +6,6 @@
 #include "lobe/forces/regions.h"
 #include "lobe/sort_unique.h"
 #include "lobe/time/mass_floor.h"
-#include "lobe/time/mass_scaling.h"
 #include "lobe/time/selective_mass.h"
 
 namespace lobe {
@@ -26,15 +25,9 @@ class Inertia {
   double inverse_mass(Index v) const { return inverse_mass_[std::size_t(v)]; }
 
   // After an edit, update() computes masses of vertices from their tetrahedra. Call update_inverse() next.
-  // copy() gives a copy the mass scaling of its original.
-  void copy(Index vertex, Index copy);
   void update(const Model& model, const std::vector<Index>& vertices);
   // Computes the inverse mass of a vertex whose mass has changed, or that was held or released.
   void update_inverse(Model& model, Index v);
-  // Of the tetrahedra around a vertex, with the mass that scaling has added [kg].
-  double own_mass(const Elements& elements, Index v) const {
-    return lumped_mass(elements, v) * (factor_.empty() ? 1.0 : factor_[std::size_t(v)]);
-  }
   // For changing masses directly: those of a condensed interior move to its interface. Call raise_to_floor()
   // next.
   std::vector<double>& masses() { return mass_; }
@@ -50,12 +43,6 @@ class Inertia {
   double weighs(Index v) const {
     return mass_[std::size_t(v)] - (v < static_cast<Index>(added_.size()) ? added_[std::size_t(v)] : 0);
   }
-  // Adds mass, at most this share of the whole, at the vertices whose `squares`, ω_v² [1/s²], are largest.
-  // Call update() next.
-  void scale(const std::vector<double>& squares, double share);
-  void take_scaling(const Inertia& other) { factor_ = other.factor_; }  // of which update() computes masses
-  const MassScaling& scaling() const { return scaling_; }
-  MassScaling& scaling() { return scaling_; }
 
   // ---- Vertices that move
 
@@ -95,8 +82,7 @@ class Inertia {
   typename SelectiveMass<Real>::Acceleration acceleration() const { return selective_.acceleration(); }
 
  private:
-  std::vector<double> mass_, inverse_mass_, factor_;  // [kg], [1/kg], of mass scaling or empty
-  MassScaling scaling_;
+  std::vector<double> mass_, inverse_mass_;  // [kg], [1/kg]
   MassFloor floor_;
   std::vector<double> added_;        // by the floor [kg], or empty
   std::vector<double> tet_squares_;  // for the floor [1/s²], of tetrahedra of the start; 0: not found yet

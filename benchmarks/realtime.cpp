@@ -101,10 +101,9 @@ void play_some_times(const Setup& setup, const Schedule& schedule, const Way& wa
 }
 
 void print(const RealtimeRow& r) {
-  std::printf("%-16s %8d %7d %8.0f %8.0f %6.2f %8.2f %8.0f %10.2f %11.2f  %s\n", r.organ.c_str(),
-              r.tets, r.threads, 1e6 * r.wave_step, 1e6 * r.limit, r.limit / r.wave_step,
-              r.local_gain, 1e6 * r.played.dt, 1 / r.played.wall_per_s, 1 / r.undisturbed,
-              r.played.status.c_str());
+  std::printf("%-16s %8d %7d %8.0f %8.0f %6.2f %8.2f %8.0f %10.2f %11.2f  %s\n", r.organ.c_str(), r.tets,
+              r.threads, 1e6 * r.wave_step, 1e6 * r.limit, r.limit / r.wave_step, r.local_gain,
+              1e6 * r.played.dt, 1 / r.played.wall_per_s, 1 / r.undisturbed, r.played.status.c_str());
   std::fflush(stdout);
 }
 
@@ -115,9 +114,9 @@ std::string csv(const std::vector<RealtimeRow>& rows) {
       << std::setprecision(4);
   for (const RealtimeRow& r : rows)
     out << r.organ << ',' << r.tets << ',' << r.threads << ',' << 1e6 * r.wave_step << ',' << 1e6 * r.limit
-        << ',' << r.limit / r.wave_step << ',' << r.local_gain << ','
-        << 1e6 * r.played.dt << ',' << r.played.wall_per_s << ',' << 1 / r.played.wall_per_s << ','
-        << 1 / r.undisturbed << ',' << r.played.status << '\n';
+        << ',' << r.limit / r.wave_step << ',' << r.local_gain << ',' << 1e6 * r.played.dt << ','
+        << r.played.wall_per_s << ',' << 1 / r.played.wall_per_s << ',' << 1 / r.undisturbed << ','
+        << r.played.status << '\n';
   return out.str();
 }
 

@@ -6,12 +6,6 @@
 namespace lobe::python {
 namespace {
 
-// Whether the regions of a scene depend on what lobe finds or measures.
-bool leaves_choice(const Scene& scene) {
-  return scene.auto_regions || std::any_of(scene.regions.begin(), scene.regions.end(),
-                                           [](const Region& region) { return region.is_measured; });
-}
-
 void take_choice(const Choice& choice, Resolved& resolved) {
   resolved.setup.region_of = choice.region_of;
   resolved.setup.selective_mass = choice.selective_mass;
@@ -37,7 +31,7 @@ const Resolved& PyScene::resolved() const {
 }
 
 std::optional<Choice> PyScene::choice() const {
-  if (!leaves_choice(scene_)) return {};
+  if (!scene_.auto_regions) return {};
   const Resolved& now = resolved();
   return Choice{now.setup.region_of, now.setup.selective_mass, now.setup.expandable, now.proposal,
                 now.warnings};

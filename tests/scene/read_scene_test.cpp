@@ -53,7 +53,6 @@ TEST_CASE("regions and their selectors are read") {
   CHECK(scene.regions[0].name == "held part");
   CHECK(scene.regions[0].model == RegionModel::precomputed);
   CHECK(scene.regions[0].frame == RegionFrame::corotated);
-  CHECK(scene.regions[0].is_measured);
   CHECK(as<SelectBox>(*scene.regions[0].where).min == Vec3d(-0.1, -0.2, -0.3));
   CHECK(as<SelectBox>(*scene.regions[0].where).max == Vec3d(0, 0.1, 0.2));
   CHECK(scene.regions[1].name == "tensor-mass");

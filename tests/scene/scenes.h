@@ -20,7 +20,7 @@ inline const std::string full_scene = R"({
   "volume_penalty": 1e5,
   "guard_below": 0.2,
   "regions": [
-    {"name": "held part", "model": "precomputed", "frame": "corotated", "representation": "measured", "where": {"box": {"min": [-0.1, -0.2, -0.3], "max": [0, 0.1, 0.2]}}},
+    {"name": "held part", "model": "precomputed", "frame": "corotated", "where": {"box": {"min": [-0.1, -0.2, -0.3], "max": [0, 0.1, 0.2]}}},
     {"model": "tensor-mass", "where": {"sphere": {"center": [0.01, 0, 0], "radius": 0.02}}},
     {"model": "tensor-mass", "where": {"any_of": [{"tetrahedra": [1, 2]}, {"not": {"all": true}}]}},
     {"name": "free part", "model": "nonlinear"}

@@ -20,8 +20,7 @@ namespace lobe {
 template <class Real>
 class PrecomputedRegion {
  public:
-  explicit PrecomputedRegion(CondensingLog log = CondensingLog(),
-                             SparseFactorMaker make_factor = make_ldlt,
+  explicit PrecomputedRegion(CondensingLog log = CondensingLog(), SparseFactorMaker make_factor = make_ldlt,
                              InstructionSet set = chosen_instruction_set())
       : log_(std::move(log)), make_factor_(std::move(make_factor)), stiffness_(set) {}
 

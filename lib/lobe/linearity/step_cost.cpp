@@ -92,15 +92,4 @@ StepCost measure_step_cost(const Setup& setup, const Zones& zones, bool in_doubl
   return cost;
 }
 
-Representations measure_representations(const Setup& setup, bool in_double) {
-  const InterfaceSize size = interface_size(Elements(setup));
-  Representations cost;
-  if (size.tets == 0) return cost;
-  if (size.vertices > 0) cost.condensed = product_seconds(3 * size.vertices, in_double);
-  Setup trial = setup;
-  std::fill(trial.region_of.begin(), trial.region_of.end(), RegionModel::tensor_mass);
-  cost.tensor_mass = step_seconds(trial, in_double) * double(size.tets) / double(setup.mesh.tet_count());
-  return cost;
-}
-
 }  // namespace lobe

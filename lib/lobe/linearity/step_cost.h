@@ -19,13 +19,6 @@ struct StepCost {
   }
 };
 
-// What the precomputed tetrahedra of a setup add to a step [s], condensed and as tensor-mass. Nothing is
-// condensed for it.
-struct Representations {
-  double condensed = 0, tensor_mass = 0;
-};
-Representations measure_representations(const Setup& setup, bool in_double);
-
 // The smallest time of one step of a world near rest [s], in the precision of the run. Several setups are
 // measured in turn, so that other work of the machine disturbs all of them alike.
 std::vector<double> step_seconds(const std::vector<Setup>& setups, bool in_double);

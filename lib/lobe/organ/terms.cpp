@@ -115,7 +115,6 @@ double Organ<Real>::softening() {
   if (known > 0) return known;
   const Setup setup = initial_setup();
   Inertia<Real> inertia(setup);
-  inertia.take_scaling(body_.inertia);
   const bool is_measured = setup.expandable || !options_of(setup).has(Option::precomputed);
   known = find_softening(setup, std::move(inertia), degree, limit_.of_whole_at_rest(degree, is_measured),
                          body_.parallel);

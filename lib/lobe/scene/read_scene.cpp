@@ -94,7 +94,6 @@ Region read_region(const json& entry, const std::string& pointer) {
   if (entry.value("frame", "fixed") == "corotated") region.frame = RegionFrame::corotated;
   read(entry, "cell", region.cell);
   read(entry, "tolerance", region.tolerance);
-  region.is_measured = entry.value("representation", "condensed") == "measured";
   region.where = read_where(entry);
   region.pointer = pointer;
   return region;

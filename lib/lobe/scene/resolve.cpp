@@ -80,8 +80,8 @@ void suspect_interface(Resolution& resolution, const Elements& elements) {
                       counted(std::size_t(size.vertices), "vertex", "vertices") +
                       " with others, so that each step reads a matrix of " + rounded(numbers) +
                       " numbers; its " + counted(std::size_t(size.tets), "tetrahedron", "tetrahedra") +
-                      " would likely be faster as tensor-mass; let it end at a narrower part, or give it "
-                      "\"representation\": \"measured\"");
+                      " would likely be faster as tensor-mass; let it end at a narrower part, or make it "
+                      "tensor-mass");
 }
 
 // Refuses a region that nothing holds in place.
@@ -90,7 +90,7 @@ void check_precomputed(Resolution& resolution) {
   if (!std::count(setup.region_of.begin(), setup.region_of.end(), RegionModel::precomputed)) return;
   const Elements elements(setup);
   refuse_unsupported(elements, held_by(setup.prescribed));
-  if (!measures_representation(resolution.scene)) suspect_interface(resolution, elements);
+  suspect_interface(resolution, elements);
 }
 
 std::string triple(const Vec3d& v) {

@@ -1,8 +1,6 @@
 #include <algorithm>
 
-#include "lobe/condense/interface_size.h"
 #include "lobe/lattice/lattice.h"
-#include "lobe/linearity/step_cost.h"
 #include "lobe/scene/material_constants.h"
 #include "lobe/scene/resolve_parts.h"
 #include "lobe/setup/exclusions.h"
@@ -32,23 +30,6 @@ void resolve_gestures(Resolution& resolution) {
 }
 
 namespace {
-
-void choose_representation(Resolution& resolution) {
-  Setup& setup = resolution.result.setup;
-  if (setup.precomputed_frame == RegionFrame::corotated) return;
-  const Representations cost = measure_representations(setup, resolution.scene.in_double());
-  constexpr double clearly = 1.2;
-  if (cost.condensed <= clearly * cost.tensor_mass) return;
-  const InterfaceSize size = interface_size(Elements(setup));
-  std::replace(setup.region_of.begin(), setup.region_of.end(), RegionModel::precomputed,
-               RegionModel::tensor_mass);
-  resolution.warn(
-      "/regions",
-      "the precomputed region shares " + counted(std::size_t(size.vertices), "vertex", "vertices") +
-          " with others, which cost " + rounded(1e6 * cost.condensed) + " us per step, its " +
-          counted(std::size_t(size.tets), "tetrahedron", "tetrahedra") + " as tensor-mass " +
-          rounded(1e6 * cost.tensor_mass) + " us: it is tensor-mass now; let it end at a narrower part");
-}
 
 double largest_poisson_ratio(const Setup& setup) {
   double largest = -1;
@@ -121,19 +102,8 @@ void propose_automatic(Resolution& resolution, const std::function<void(double f
 
 }  // namespace
 
-bool measures_representation(const Scene& scene) {
-  const auto is_fixed = [](const Region& region) {
-    return region.model == RegionModel::precomputed && !region.is_measured;
-  };
-  return std::none_of(scene.regions.begin(), scene.regions.end(), is_fixed);
-}
-
 void choose_regions(Resolution& resolution, const std::function<void(double fraction)>& progress) {
-  const std::vector<RegionModel>& region_of = resolution.result.setup.region_of;
-  if (resolution.scene.auto_regions) return propose_automatic(resolution, progress);
-  if (measures_representation(resolution.scene) &&
-      std::count(region_of.begin(), region_of.end(), RegionModel::precomputed) > 0)
-    choose_representation(resolution);
+  if (resolution.scene.auto_regions) propose_automatic(resolution, progress);
 }
 
 }  // namespace lobe

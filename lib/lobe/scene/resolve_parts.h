@@ -55,9 +55,6 @@ void resolve_contact(Resolution& resolution);
 void resolve_gestures(Resolution& resolution);
 void warn_of_units(Resolution& resolution);
 
-// Whether all precomputed regions, which have one matrix in common, are to be tensor-mass if a measurement
-// shows that this is cheaper.
-bool measures_representation(const Scene& scene);
 // Chooses automatic regions. Warnings say what was found.
 void choose_regions(Resolution& resolution, const std::function<void(double fraction)>& progress);
 

@@ -110,7 +110,6 @@ struct Region {
   double cell = 0;  // reduced: edge of the lattice's cells, equal in all such regions [m]; 0: lobe chooses
   std::optional<Selector> where;
   std::string pointer;
-  bool is_measured = false;  // precomputed: tensor-mass, if lobe measures that a step is clearly cheaper so
   double tolerance = 0;      // reduced: estimated error that is corrected, the same in all; 0: none is
 };
 

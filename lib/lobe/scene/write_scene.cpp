@@ -103,7 +103,6 @@ ordered_json write(const Region& region) {
   if (region.frame == RegionFrame::corotated) entry["frame"] = "corotated";
   if (region.cell > 0) entry["cell"] = region.cell;
   if (region.tolerance > 0) entry["tolerance"] = region.tolerance;
-  if (region.is_measured) entry["representation"] = "measured";
   add_where(entry, region.where);
   return entry;
 }

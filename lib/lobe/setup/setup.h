@@ -69,7 +69,7 @@ struct Setup : Body, ToolSetups {
   double cut_step = 0.75;
   // The highest frequency of a vertex at a cut, ω* [rad/s]; 0: that of the uncut body over cut_step.
   double cut_frequency = 0;
-  int selective_mass = 1;   // s of theory (7.8), 1…16: the stable step grows with it; 1: masses are lumped
+  int selective_mass = 1;  // s of theory (7.8), 1…16: the stable step grows with it; 1: masses are lumped
   Integrator integrator = Integrator::central_difference;
   double implicit_step = 0;      // [s], at most this; 0: one step per call of advance()
   double spectral_radius = 0.8;  // of generalised-α at high frequencies, 1: no numerical damping
@@ -85,9 +85,9 @@ struct Setup : Body, ToolSetups {
       Body::fields,
       std::tuple(&Setup::prescribed, &Setup::face_loads, &Setup::vertex_loads, &Setup::gravity,
                  &Setup::evaluator, &Setup::loose_pieces, &Setup::damping, &Setup::safety, &Setup::cut_step,
-                 &Setup::cut_frequency, &Setup::selective_mass, &Setup::integrator,
-                 &Setup::implicit_step, &Setup::spectral_radius, &Setup::ramp, &Setup::load_ramp,
-                 &Setup::sleep, &Setup::lattice_cell, &Setup::expandable, &Setup::contact),
+                 &Setup::cut_frequency, &Setup::selective_mass, &Setup::integrator, &Setup::implicit_step,
+                 &Setup::spectral_radius, &Setup::ramp, &Setup::load_ramp, &Setup::sleep,
+                 &Setup::lattice_cell, &Setup::expandable, &Setup::contact),
       ToolSetups::fields);
 };
 

@@ -1,5 +1,5 @@
-// The data of a law: which terms the energy of a tetrahedron has, and their moduli. law.h has the formulas, so
-// that what only stores or passes on a law is not compiled again when a formula changes.
+// The data of a law: which terms the energy of a tetrahedron has, and their moduli. law.h has the formulas,
+// so that what only stores or passes on a law is not compiled again when a formula changes.
 #pragma once
 
 #include <tuple>

@@ -1,25 +1,26 @@
 """Refuses an include from a chapter of lib/lobe to one on a floor above it: floors.py PROJECT
 
-docs/guide/develop.md lists the floors, from the lowest up, after the comment <!-- floors -->. Folders that it does not
-list hold headers alone and stand where what they include lets them. `base` is lib/lobe itself, without lobe.h.
+The floors are the list `chapters` in lib/lobe/CMakeLists.txt, from the lowest up; folders that it does not have
+hold headers alone and stand where what they include lets them. `base` is lib/lobe itself, without lobe.h.
+docs/guide/develop.md, where it is there, shows the same list.
 """
 import pathlib
 import re
 import sys
 
 
-def floors(project):
-    text = (project / "docs" / "guide" / "develop.md").read_text(encoding="utf-8")
-    return re.search(r"<!-- floors -->\n`([^`]*)`", text)[1].split()
+def floors(library):
+    text = (library / "CMakeLists.txt").read_text()
+    return re.search(r"set\(chapters ([^)]*)\)", text)[1].split()
 
 
 def chapter_of(header):
     return header.split("/")[0] if "/" in header else "base"
 
 
-def upward(project):
+def upward(library):
     """Lines that say which file includes what is above it."""
-    library, order = project / "lib" / "lobe", floors(project)
+    order = floors(library)
     found = []
     for file in sorted(p for p in library.rglob("*") if p.suffix in (".h", ".cpp")):
         name = str(file.relative_to(library))
@@ -33,5 +34,16 @@ def upward(project):
     return found
 
 
+def outdated(project):
+    """A line if the page shows another list."""
+    page = project / "docs" / "guide" / "develop.md"
+    shown = f"`{' '.join(floors(project / 'lib' / 'lobe'))}`"
+    if page.exists() and shown not in page.read_text(encoding="utf-8"):
+        return [f"{page.name}: does not show the floors {shown}"]
+    return []
+
+
 if __name__ == "__main__":
-    sys.exit("\n".join(upward(pathlib.Path(sys.argv[1]))) or 0)
+    root = pathlib.Path(sys.argv[1])
+    faults = upward(root / "lib" / "lobe") + outdated(root)
+    sys.exit("\n".join(faults) or 0)

@@ -133,6 +133,11 @@ void add_other_laws(std::vector<Kernel>& kernels, const SpecimenPointer& specime
   neo_hookean->follow(elements, edit);
   add_region<Real>(kernels, "neo_hookean", specimen, threads, neo_hookean, block_bytes<Real>,
                    specimen->neo_hookean);
+  elements.materials[0].law = MaterialLaw::yeoh;
+  elements.materials[0].further = yeoh_moduli;
+  const auto yeoh = std::make_shared<NonlinearRegion<Real>>();
+  yeoh->follow(elements, edit);
+  add_region<Real>(kernels, "yeoh", specimen, threads, yeoh, block_bytes<Real>, specimen->yeoh);
 }
 
 template <class Real>
@@ -256,7 +261,7 @@ Specimen::Specimen(std::string mesh_name, const Setup& body) : mesh(std::move(me
   for (PrescribedVertex& held : setup.prescribed) held.displacement = u.col(held.vertex);
   setup.ramp = 0;  // held where the displacement has them
   reference = reference_tets(setup);
-  svk = linear = svk_nodal_pressure = svk_smoothed = svk_smoothed_pressure = neo_hookean =
+  svk = linear = svk_nodal_pressure = svk_smoothed = svk_smoothed_pressure = neo_hookean = yeoh =
       Mat3X<double>::Zero(3, n);
   add_reference_forces(reference, u, svk);
   add_reference_linear_forces(reference, u, linear);
@@ -268,6 +273,7 @@ Specimen::Specimen(std::string mesh_name, const Setup& body) : mesh(std::move(me
   svk_fibre = svk;
   add_reference_fibre_forces(reference, u, fibre_moduli, fibre_direction, svk_fibre);
   add_reference_neo_hookean_forces(reference, u, neo_hookean);
+  add_reference_yeoh_forces(reference, u, yeoh_moduli, yeoh);
 }
 
 std::vector<Kernel> make_kernels(const SpecimenPointer& specimen, const std::vector<int>& threads) {

@@ -1,6 +1,7 @@
 // The kernels that `lobe bench kernels` times, each set up on one body beside the result expected of it.
 #pragma once
 
+#include <array>
 #include <functional>
 #include <memory>
 #include <string>
@@ -37,14 +38,15 @@ struct Specimen {
   std::vector<ReferenceTet> reference;
   // Forces by the reference kernel [N].
   Mat3X<double> svk, linear, svk_volume, svk_nodal_pressure, svk_smoothed, svk_smoothed_pressure, svk_fibre,
-      neo_hookean;
+      neo_hookean, yeoh;
 };
 
 // Of svk_fibre: one direction everywhere.
 inline constexpr FibreModuli<double> fibre_moduli{3e3, 8e3, 5e4};
 inline const Vec3d fibre_direction = Vec3d(1, 2, 2) / 3;
 
-inline constexpr double volume_penalty = 1e5;  // κ of svk_volume [Pa]
+inline constexpr std::array<double, 2> yeoh_moduli{2e3, 1e3};  // c₂, c₃ [Pa]
+inline constexpr double volume_penalty = 1e5;                  // κ of svk_volume [Pa]
 
 struct Kernel {
   std::string name;

@@ -164,4 +164,16 @@ void add_reference_neo_hookean_forces(const std::vector<ReferenceTet>& tets, con
   }
 }
 
+void add_reference_yeoh_forces(const std::vector<ReferenceTet>& tets, const Mat3X<double>& u,
+                               const std::array<double, 2>& c, Mat3X<double>& f) {
+  for (const ReferenceTet& tet : tets) {
+    const Mat3<double> F = deformation(tet, u), inverse = F.inverse().transpose();
+    const double J = F.determinant(), phi = std::pow(J, -2.0 / 3), I1 = F.squaredNorm(), q = phi * I1 - 3;
+    const double slope = tet.mu / 2 + 2 * c[0] * q + 3 * c[1] * q * q, K = tet.lambda + 2 * tet.mu / 3;
+    const Mat3<double> P = 2 * slope * phi * (F - I1 / 3 * inverse) + K * (J - 1) * J * inverse;
+    const Mat34<double> g = tet.V * P * tet.alpha;
+    for (int j = 0; j < 4; ++j) f.col(tet.corners[j]) -= g.col(j);
+  }
+}
+
 }  // namespace lobe::bench

@@ -7,6 +7,7 @@
 // against, so it shares no code with them.
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "lobe/setup/setup.h"
@@ -56,5 +57,8 @@ void add_reference_fibre_forces(const std::vector<ReferenceTet>& tets, const Mat
                                 const FibreModuli<double>& fibre, const Vec3d& a, Mat3X<double>& f);
 void add_reference_neo_hookean_forces(const std::vector<ReferenceTet>& tets, const Mat3X<double>& u,
                                       Mat3X<double>& f);
+// Yeoh's: P = 2w′ J^(−2/3) (F − I₁/3 F⁻ᵀ) + K (J − 1) J F⁻ᵀ, w′ = μ/2 + 2c₂ q + 3c₃ q². Only to check.
+void add_reference_yeoh_forces(const std::vector<ReferenceTet>& tets, const Mat3X<double>& u,
+                               const std::array<double, 2>& c, Mat3X<double>& f);
 
 }  // namespace lobe::bench

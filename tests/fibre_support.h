@@ -1,4 +1,4 @@
-// Bodies with fibres, and of a neo-Hookean material.
+// Bodies with fibres, and of a neo-Hookean material and of Yeoh's.
 #pragma once
 
 #include <cmath>
@@ -33,6 +33,13 @@ inline Setup fibrous_setup(const TetMesh& mesh, RegionModel model = RegionModel:
 inline Setup neo_hookean_setup(const TetMesh& mesh) {
   Setup setup = setup_of(mesh);
   setup.materials[0].law = MaterialLaw::neo_hookean;
+  return setup;
+}
+
+inline Setup yeoh_setup(const TetMesh& mesh) {
+  Setup setup = setup_of(mesh);
+  setup.materials[0].law = MaterialLaw::yeoh;
+  setup.materials[0].further = {-2e3, 9e3};
   return setup;
 }
 

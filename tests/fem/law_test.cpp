@@ -19,11 +19,12 @@ namespace {
 constexpr double nodal_lambda = 3e4;
 
 std::vector<Terms> all_combinations() {
-  const Terms solids[] = {{.svk = false},
-                          {.svk = true},
-                          {.svk = false, .fibre = true},
-                          {.svk = true, .fibre = true},
-                          {.svk = false, .neo_hookean = true}};
+  const Terms solids[] = {{.solid = MaterialLaw::none},
+                          {},
+                          {.solid = MaterialLaw::none, .fibre = true},
+                          {.fibre = true},
+                          {.solid = MaterialLaw::neo_hookean},
+                          {.solid = MaterialLaw::yeoh}};
   std::vector<Terms> all;
   for (Terms terms : solids)
     for (bool volume : {false, true})
@@ -38,13 +39,14 @@ std::vector<Terms> all_combinations() {
 }
 
 int count(const Terms& terms) {
-  return terms.svk + terms.volume + terms.pressure + terms.guard + terms.fibre + terms.neo_hookean;
+  return (terms.solid != MaterialLaw::none) + terms.volume + terms.pressure + terms.guard + terms.fibre;
 }
 
 std::string name(const Terms& terms) {
-  return std::string(terms.svk ? "svk " : "") + (terms.volume ? "volume " : "") +
-         (terms.pressure ? "pressure " : "") + (terms.guard ? "guard " : "") + (terms.fibre ? "fibre " : "") +
-         (terms.neo_hookean ? "neo-Hookean" : "");
+  return (terms.solid == MaterialLaw::none ? ""
+                                           : law_rows[std::size_t(terms.solid)].name + std::string(" ")) +
+         (terms.volume ? "volume " : "") + (terms.pressure ? "pressure " : "") +
+         (terms.guard ? "guard " : "") + (terms.fibre ? "fibre " : "");
 }
 
 constexpr FibreModuli<double> fibre_moduli{3e3, 8e3, 5e4};
@@ -61,7 +63,8 @@ Law<double> law_at(const Terms& terms, const Mat3<double>& H) {
           .guard_threshold = 0.8,
           .terms = terms,
           .fibre = fibre_moduli,
-          .direction = fibre_direction()};
+          .direction = fibre_direction(),
+          .further = {-2e3, 6e3}};
 }
 
 // Stretched, where the guard is silent; at det F = 0.61, in the guard's first branch; inverted, in its
@@ -182,11 +185,12 @@ TEST_CASE("each term is the one of its own file") {
     law.pressure = p;
     return law;
   };
-  const Law<double> svk = single({.svk = true}), volume = single({.svk = false, .volume = true}),
-                    pressure = single({.svk = false, .pressure = true}),
-                    guard = single({.svk = false, .guard = true}),
-                    fibre = single({.svk = false, .fibre = true}),
-                    neo = single({.svk = false, .neo_hookean = true});
+  const Law<double> svk = single({}), volume = single({.solid = MaterialLaw::none, .volume = true}),
+                    pressure = single({.solid = MaterialLaw::none, .pressure = true}),
+                    guard = single({.solid = MaterialLaw::none, .guard = true}),
+                    fibre = single({.solid = MaterialLaw::none, .fibre = true}),
+                    neo = single({.solid = MaterialLaw::neo_hookean}),
+                    yeoh = single({.solid = MaterialLaw::yeoh});
   CHECK(law_energy_density(svk, H) == svk_energy_density(H, 1e4, 1.5e4));
   CHECK(law_energy_density(volume, H) == volume_energy_density(H, 2e5));
   CHECK(law_energy_density(pressure, H) == pressure_energy_density(H, p));
@@ -199,6 +203,8 @@ TEST_CASE("each term is the one of its own file") {
   CHECK(law_energy_density(fibre, H) == fibre_energy_density<double>(H, fibre_moduli, fibre_direction()));
   CHECK(law_energy_density(neo, H) == neo_hookean_energy_density(H, 1e4, 1.5e4));
   CHECK(law_stress(neo, H) == neo_hookean_stress(H, 1e4, 1.5e4));
+  CHECK(law_energy_density(yeoh, H) == Yeoh::energy_density(H, yeoh));
+  CHECK(law_stress(yeoh, H) == Yeoh::stress(H, yeoh));
 }
 
 TEST_CASE("rotations change no energy, and turn stress and stiffness, whatever the terms") {
@@ -222,7 +228,7 @@ TEST_CASE("rotations change no energy, and turn stress and stiffness, whatever t
 
 TEST_CASE("moduli times a volume give that volume's energy and stress") {
   const Mat3<double> H = states()[1];
-  const Law<double> law = law_at({true, true, true, true, true}, H);
+  const Law<double> law = law_at({MaterialLaw::svk, true, true, true, true}, H);
   CHECK(law_energy_density(law.times(0.3), H) == near(0.3 * law_energy_density(law, H), 1e-14));
   CHECK((law_stress(law.times(0.3), H) - 0.3 * law_stress(law, H)).norm() <
         1e-14 * law_stress(law, H).norm());
@@ -231,27 +237,29 @@ TEST_CASE("moduli times a volume give that volume's energy and stress") {
 // Packs and numbers add components up in different orders.
 TEST_CASE("a register's lanes follow the law of each alone") {
   using Lane = Pack<double>;
-  const Law<double> law = law_at({true, true, true, true, true}, states()[0]);
   const Vec3d alpha = gradients().col(1);
   Vec3<Lane> alphas;
   for (int i = 0; i < 3; ++i) alphas[i] = alpha[i];
-  for (std::size_t start = 0; start < states().size(); ++start) {
-    const auto state_of = [&](int lane) { return states()[(start + std::size_t(lane)) % states().size()]; };
-    Mat3<Lane> H;
-    for (int i = 0; i < 9; ++i) H(i) = Lane([&](int lane) { return state_of(lane)(i); });
-    const Lane W = law_energy_density(law.as<Lane>(), H);
-    const Mat3<Lane> P = law_stress(law.as<Lane>(), H), K = law_diagonal_block(law.as<Lane>(), H, alphas);
-    for (int lane = 0; lane < int(Lane::size()); ++lane) {
-      const Mat3<double> alone = law_stress(law, state_of(lane)),
-                         block = law_diagonal_block(law, state_of(lane), alpha);
-      Mat3<double> own, own_block;
-      for (int i = 0; i < 9; ++i) own(i) = P(i)[lane];
-      for (int i = 0; i < 9; ++i) own_block(i) = K(i)[lane];
-      CHECK(double(W[lane]) == near(law_energy_density(law, state_of(lane)), 1e-14));
-      CHECK((own - alone).norm() < 1e-14 * alone.norm());
-      CHECK((own_block - block).norm() < 1e-14 * block.norm());
+  for (const Terms& terms : all_combinations())
+    for (std::size_t start = 0; start < states().size(); ++start) {
+      const Law<double> law = law_at(terms, states()[0]);
+      if (terms.solid == MaterialLaw::none) continue;
+      const auto state_of = [&](int lane) { return states()[(start + std::size_t(lane)) % states().size()]; };
+      Mat3<Lane> H;
+      for (int i = 0; i < 9; ++i) H(i) = Lane([&](int lane) { return state_of(lane)(i); });
+      const Lane W = law_energy_density(law.as<Lane>(), H);
+      const Mat3<Lane> P = law_stress(law.as<Lane>(), H), K = law_diagonal_block(law.as<Lane>(), H, alphas);
+      for (int lane = 0; lane < int(Lane::size()); ++lane) {
+        const Mat3<double> alone = law_stress(law, state_of(lane)),
+                           block = law_diagonal_block(law, state_of(lane), alpha);
+        Mat3<double> own, own_block;
+        for (int i = 0; i < 9; ++i) own(i) = P(i)[lane];
+        for (int i = 0; i < 9; ++i) own_block(i) = K(i)[lane];
+        CHECK(double(W[lane]) == near(law_energy_density(law, state_of(lane)), 1e-14));
+        CHECK((own - alone).norm() < 1e-14 * alone.norm());
+        CHECK((own_block - block).norm() < 1e-14 * block.norm());
+      }
     }
-  }
 }
 
 TEST_CASE("at rest a law has the stiffness of its linear model, whatever its other terms") {
@@ -259,7 +267,7 @@ TEST_CASE("at rest a law has the stiffness of its linear model, whatever its oth
   Mat34<double> alpha;
   alpha << 3, -1, 0.5, -2.5, 0.2, 4, -1, -3.2, 1, 0.7, 2, -3.7;
   for (const Terms& terms : all_combinations()) {
-    if (!terms.svk && !terms.neo_hookean) continue;  // no solid
+    if (terms.solid == MaterialLaw::none) continue;
     CAPTURE(name(terms));
     const Law<double> law = law_at(terms, rest);
     const auto K = law_stiffness(law, rest, alpha);

@@ -65,7 +65,7 @@ TEST_CASE("volume term and guard are left to each tetrahedron, the rest of the l
   Elastic elastic{4e4, 1e4, 1000};
   elastic.element = ElementType::edge_smoothed;
   const Law<double> own = unsmoothed_law(elastic, 1e5, 0.2);
-  CHECK(own.terms == Terms{.svk = false, .volume = true, .guard = true});
+  CHECK(own.terms == Terms{.solid = MaterialLaw::none, .volume = true, .guard = true});
   CHECK(own.kappa == 1e5);
   CHECK(own.guard_modulus == 6e4);
   CHECK(own.lambda == 0);

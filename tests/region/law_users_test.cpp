@@ -59,9 +59,12 @@ Eigen::Matrix<double, 6, 1> upper(const Mat3<double>& K) {
 
 TEST_CASE("the law of a tetrahedron has all terms, and each counts") {
   const OneTetrahedron one;
-  CHECK(one.law.terms == Terms{true, true, true, true});
+  CHECK(one.law.terms == Terms{MaterialLaw::svk, true, true, true});
   CHECK(is_guarded(one.law, one.H));
-  for (bool Terms::*term : {&Terms::svk, &Terms::volume, &Terms::pressure, &Terms::guard}) {
+  Law<double> without_solid = one.law;
+  without_solid.terms.solid = MaterialLaw::none;
+  CHECK(difference(law_stress(without_solid, one.H), law_stress(one.law, one.H)) > 1e-3);
+  for (bool Terms::*term : {&Terms::volume, &Terms::pressure, &Terms::guard}) {
     Law<double> without = one.law;
     without.terms.*term = false;
     CHECK(difference(law_stress(without, one.H), law_stress(one.law, one.H)) > 1e-3);

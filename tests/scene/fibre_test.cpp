@@ -118,6 +118,24 @@ TEST_CASE("a written scene is read as the same one") {
   const std::string neo = to_json(scene_of({{"lame_lambda", 4e4}, {"lame_mu", 1e4}, {"law", "neo-hookean"}}));
   CHECK(neo.find("neo-hookean") != std::string::npos);
   CHECK(to_json(parse_scene(neo)) == neo);
+  const std::string yeoh = to_json(scene_of(
+      {{"lame_lambda", 4e4}, {"lame_mu", 1e4}, {"law", "yeoh"}, {"yeoh_c2", 1500}, {"yeoh_c3", 800}}));
+  const Scene again = parse_scene(yeoh);
+  CHECK(again.materials.at(0).law == MaterialLaw::yeoh);
+  CHECK(again.materials.at(0).further == std::array<double, 2>{1500, 800});
+  CHECK(to_json(again) == yeoh);
+}
+
+TEST_CASE("moduli that are not those of the law, or make no solid, are named") {
+  const auto has = [](const std::string& text, const std::string& part) {
+    CAPTURE(text);
+    CHECK(text.find(part) != std::string::npos);
+  };
+  json material = {{"lame_lambda", 4e4}, {"lame_mu", 1e4}, {"law", "neo-hookean"}, {"yeoh_c2", 1500}};
+  has(fault_of(material),
+      "/materials/0/yeoh_c2: is a modulus of \"law\": \"yeoh\", but the law is \"neo-hookean\"");
+  material = {{"lame_lambda", 4e4}, {"lame_mu", 1e4}, {"law", "yeoh"}, {"yeoh_c2", -1500}};
+  has(fault_of(material), "yeoh_c2");
 }
 
 TEST_CASE("what is wrong with fibres is named with its place") {
@@ -148,7 +166,7 @@ TEST_CASE("what is wrong with fibres is named with its place") {
       "/materials/0/fibre/axis/direction: has length 0, must be above 0");
   has(fault_of(fibrous(straight, R"({"young_modulus_across": 0})")), "/materials/0/young_modulus_across");
   has(fault_of(fibrous(straight, R"({"law": "neo-hookean"})")),
-      "/materials/0/law: \"law\": \"neo-hookean\" does not go with a material with fibres");
+      "/materials/0/law: a law other than SVK does not go with a material with fibres");
   json missing = fibrous(straight);
   missing.erase("fibre");
   has(fault_of(missing), "\"fibre\"");

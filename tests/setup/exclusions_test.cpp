@@ -44,7 +44,7 @@ void ask_for(Setup& setup, Option option) {
     case Option::edge_smoothed:
       setup.materials[0].element = ElementType::edge_smoothed;
       break;
-    case Option::neo_hookean:
+    case Option::other_law:
       setup.materials[0].law = MaterialLaw::neo_hookean;
       break;
     case Option::stored:

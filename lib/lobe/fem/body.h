@@ -28,8 +28,6 @@ enum class RegionFrame : std::uint8_t {
 };
 enum class Evaluator : std::uint8_t { direct, stored };  // of the non-linear model: closed form, or B, C, D
 
-enum class MaterialLaw : std::uint8_t { svk, neo_hookean };  // of the non-linear model
-
 // Where a tetrahedron of the non-linear model has its strain: alone, or averaged around each of its edges
 // (fem/smoothed_edge.h).
 enum class ElementType : std::uint8_t { tetrahedron, edge_smoothed };
@@ -38,10 +36,11 @@ struct Elastic {
   double lambda = 4e4, mu = 1e4;  // [Pa]
   double density = 1000;          // [kg/m³]
   double nodal_pressure = 0;  // χ: share of λ whose pressure is averaged at nodes, 0…1 (nodal_pressure.h)
-  MaterialLaw law = MaterialLaw::svk;
+  MaterialLaw law = MaterialLaw::svk;  // of the non-linear model
   ElementType element = ElementType::tetrahedron;
-  FibreModuli<double> fibre{};  // [Pa], zero: isotropic; λ and μ are then those across the fibre
-  double fracture_energy = 0;   // G_c: work of a blade per area that it opens [J/m²]
+  FibreModuli<double> fibre{};      // [Pa], zero: isotropic; λ and μ are then those across the fibre
+  double fracture_energy = 0;       // G_c: work of a blade per area that it opens [J/m²]
+  std::array<double, 2> further{};  // moduli of the law beside λ and μ (law_rows) [Pa]
 
   bool is_smoothed() const { return element == ElementType::edge_smoothed; }
   double nodal_lambda() const { return nodal_pressure * lambda; }    // χλ [Pa]
@@ -54,7 +53,7 @@ struct Elastic {
 
   static constexpr auto fields =
       std::tuple(&Elastic::lambda, &Elastic::mu, &Elastic::density, &Elastic::nodal_pressure, &Elastic::law,
-                 &Elastic::element, &Elastic::fibre, &Elastic::fracture_energy);
+                 &Elastic::element, &Elastic::fibre, &Elastic::fracture_energy, &Elastic::further);
 };
 
 inline bool any_nodal_pressure(const std::vector<Elastic>& materials) {
@@ -73,9 +72,9 @@ inline bool any_averages(const std::vector<Elastic>& materials) {
 inline bool any_fibre(const std::vector<Elastic>& materials) {
   return std::any_of(materials.begin(), materials.end(), [](const Elastic& e) { return e.fibre.any(); });
 }
-inline bool any_neo_hookean(const std::vector<Elastic>& materials) {
+inline bool any_other_law(const std::vector<Elastic>& materials) {  // than St Venant-Kirchhoff
   return std::any_of(materials.begin(), materials.end(),
-                     [](const Elastic& e) { return e.law == MaterialLaw::neo_hookean; });
+                     [](const Elastic& e) { return e.law != MaterialLaw::svk; });
 }
 
 struct Body {

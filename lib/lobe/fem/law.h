@@ -1,14 +1,17 @@
-// The law of a tetrahedron of the non-linear model: its energy is the sum of the terms of svk.h (or
-// neo_hookean.h), fibre_term.h, volume_term.h, pressure_term.h and guard.h. All code that evaluates such
-// tetrahedra calls the functions below: wide kernels, energies, the solvers' tangent, the time step, the
-// estimate of linear regions' errors. A new term adds its moduli to Law (law_moduli.h) and a line to each
-// function. The order in which a function sums the terms up decides the last bits of results.
+// The law of a tetrahedron of the non-linear model: its energy is the sum of a solid's (svk.h, neo_hookean.h,
+// yeoh.h) and of the terms of fibre_term.h, volume_term.h, pressure_term.h and guard.h. All code that
+// evaluates such tetrahedra calls the functions below: wide kernels, energies, the solvers' tangent, the time
+// step, the estimate of linear regions' errors. A new solid is a struct of formulas (solid.h) in `Solids`,
+// and a row in law_moduli.h. The order in which a function sums the terms up decides the last bits of
+// results.
 //
 // Only the given terms are evaluated. If `terms` are constants, as in kernels, the other terms are not even
 // compiled.
 #pragma once
 
 #include <Eigen/Geometry>
+#include <tuple>
+#include <utility>
 
 #include "lobe/fem/fibre_term.h"
 #include "lobe/fem/guard.h"
@@ -16,29 +19,23 @@
 #include "lobe/fem/law_moduli.h"
 #include "lobe/fem/neo_hookean.h"
 #include "lobe/fem/pressure_term.h"
+#include "lobe/fem/solid.h"
 #include "lobe/fem/svk.h"
 #include "lobe/fem/volume_term.h"
+#include "lobe/fem/yeoh.h"
 
 namespace lobe {
 
-// A sum that begins with the first term. To add it to 0 would cost time and change the sign of a zero.
-template <class Value>
-class SumOfTerms {
- public:
-  explicit SumOfTerms(const Value& zero) : sum_(zero) {}
-  void operator+=(const Value& term) {
-    if (empty_)
-      sum_ = term;
-    else
-      sum_ += term;
-    empty_ = false;
-  }
-  const Value& value() const { return sum_; }
+using Solids = std::tuple<Svk, NeoHookean, Yeoh>;  // in the order of MaterialLaw
+static_assert(std::tuple_size_v<Solids> == law_count);
 
- private:
-  Value sum_;
-  bool empty_ = true;
-};
+// Calls visit(solid) with the formulas of a law; not for `none`. Always inline, as are the functions that it
+// is given: a kernel, whose law is a constant, then has no other.
+template <int i = 0, class Visit>
+LOBE_INLINE constexpr void with_solid(MaterialLaw law, const Visit& visit) {
+  if (law == MaterialLaw(i)) return visit(std::tuple_element_t<i, Solids>{});
+  if constexpr (i + 1 < law_count) with_solid<i + 1>(law, visit);
+}
 
 inline bool any_of(bool lane) { return lane; }  // as for packs of numbers
 
@@ -61,7 +58,9 @@ template <class T>
 Mat3<T> law_second_stress(const Law<T>& law, const Mat3<T>& H)  // [Pa]
 {
   SumOfTerms<Mat3<T>> S(Mat3<T>::Constant(T(0)));
-  if (law.terms.svk) S += svk_second_stress(H, law.lambda, law.mu);
+  with_solid(law.terms.solid, [&](auto solid) LOBE_INLINE {
+    if constexpr (solid.in_green_strain) S += solid.second_stress(H, law);
+  });
   if (law.terms.fibre) S += fibre_second_stress(H, law.fibre, law.direction);
   return S.value();
 }
@@ -70,8 +69,7 @@ template <class T>
 T law_energy_density(const Law<T>& law, const Mat3<T>& H)  // W/V of ∇u [J/m³]
 {
   SumOfTerms<T> W(T(0));
-  if (law.terms.svk) W += svk_energy_density(H, law.lambda, law.mu);
-  if (law.terms.neo_hookean) W += neo_hookean_energy_density(H, law.lambda, law.mu);
+  with_solid(law.terms.solid, [&](auto solid) LOBE_INLINE { W += solid.energy_density(H, law); });
   if (law.terms.fibre) W += fibre_energy_density(H, law.fibre, law.direction);
   if (law.terms.volume) W += volume_energy_density(H, law.kappa);
   if (law.terms.pressure) W += pressure_energy_density(H, law.pressure);
@@ -86,10 +84,10 @@ Mat3<T> law_stress(const Law<T>& law, const Mat3<T>& H)  // first Piola-Kirchhof
   if (law.terms.fibre) {
     const Mat3<T> S = law_second_stress(law, H);
     P += S + H.lazyProduct(S);
-  } else if (law.terms.svk) {
-    P += svk_stress(H, law.lambda, law.mu);
   }
-  if (law.terms.neo_hookean) P += neo_hookean_stress(H, law.lambda, law.mu);
+  with_solid(law.terms.solid, [&](auto solid) LOBE_INLINE {
+    if (!solid.in_green_strain || !law.terms.fibre) P += solid.stress(H, law);
+  });
   if (law.terms.volume) P += volume_stress(H, law.kappa);
   if (law.terms.pressure) P += pressure_stress(H, law.pressure);
   if (is_guarded(law, H)) P += guard_stress(H, law.guard_modulus, law.guard_threshold);
@@ -102,8 +100,7 @@ template <class T>
 inline Mat3<T> law_diagonal_block(const Law<T>& law, const Mat3<T>& H, const Vec3<T>& alpha)  // [Pa/m²]
 {
   SumOfTerms<Mat3<T>> K(Mat3<T>::Constant(T(0)));
-  if (law.terms.svk) K += svk_diagonal_block(H, alpha, law.lambda, law.mu);
-  if (law.terms.neo_hookean) K += neo_hookean_diagonal_block(H, alpha, law.lambda, law.mu);
+  with_solid(law.terms.solid, [&](auto solid) LOBE_INLINE { K += solid.diagonal_block(H, alpha, law); });
   if (law.terms.fibre) K += fibre_diagonal_block(H, alpha, law.fibre, law.direction);
   if (law.terms.volume) K += volume_diagonal_block(H, alpha, law.kappa);
   if (is_guarded(law, H)) K += guard_diagonal_block(H, alpha, law.guard_modulus, law.guard_threshold);
@@ -113,34 +110,43 @@ inline Mat3<T> law_diagonal_block(const Law<T>& law, const Mat3<T>& H, const Vec
 
 // ∂²W/∂u_j∂u_k / V of all corners, at given nodal pressure, 3 × 3 block by block:
 //   terms in Green's strain     (α_j·S α_k) I + F B_jk Fᵀ,  B_jk of hooke.h and fibre_term.h
-//   neo-Hookean                 μ (α_j·α_k) I, and as a function of J
+//   functions of I₁ = tr FᵀF    (α_j·α_k) 2W′ I + 4W″ a_j⊗a_k,  a_j = F α_j
+//   functions of I₁ and J       2 ∂²W/∂I₁∂J (a_j⊗g_k + g_j⊗a_k)
 //   functions ψ of J = det F    ψ″ g_j⊗g_k + ψ′ ∂g_j/∂x_k,  g_j = cof(F) α_j,  ∂g_j/∂x_k w = w × F(α_j × α_k)
 template <class T>
 Eigen::Matrix<T, 12, 12> law_stiffness(const Law<T>& law, const Mat3<T>& H,
                                        const Mat34<T>& alpha)  // of the four corners [1/m] → [Pa/m²]
 {
   const Mat3<T> I = Mat3<T>::Identity(), F = I + H;
-  SumOfTerms<Mat3<T>> S(Mat3<T>::Zero());
-  if (law.terms.svk || law.terms.fibre) S += law_second_stress(law, H);
-  if (law.terms.neo_hookean) S += law.mu * I;
-  if (law.terms.pressure) S += law.pressure * I;
-  SumOfTerms<VolumeDerivatives<T>> psi({T(0), T(0)});
-  if (law.terms.neo_hookean) psi += neo_hookean_volume_derivatives(H, law.lambda, law.mu);
-  if (law.terms.volume) psi += volume_derivatives(H, law.kappa);
-  if (is_guarded(law, H)) psi += guard_derivatives(H, law.guard_modulus, law.guard_threshold);
-  const Mat34<T> g = cofactor(F) * alpha;
+  SecondOrder<T> sum;
+  bool is_green = law.terms.fibre;
+  with_solid(law.terms.solid, [&](auto solid) LOBE_INLINE {
+    solid.add_second_order(H, law, sum);
+    is_green = is_green || solid.in_green_strain;
+  });
+  if (law.terms.fibre) sum.S += fibre_second_stress(H, law.fibre, law.direction);
+  if (law.terms.pressure) sum.S += law.pressure * I;
+  if (law.terms.volume) sum.psi += volume_derivatives(H, law.kappa);
+  if (is_guarded(law, H)) sum.psi += guard_derivatives(H, law.guard_modulus, law.guard_threshold);
+  const Mat34<T> g = cofactor(F) * alpha, a = F * alpha;
   Eigen::Matrix<T, 12, 12> K;
   for (int j = 0; j < 4; ++j)
     for (int k = 0; k < 4; ++k) {
       SumOfTerms<Mat3<T>> B(Mat3<T>::Zero());
-      if (law.terms.svk) B += hooke_block<T>(alpha.col(j), alpha.col(k), law.lambda, law.mu);
+      with_solid(law.terms.solid, [&](auto solid) LOBE_INLINE {
+        if constexpr (solid.in_green_strain)
+          B += solid.template green_block<T>(alpha.col(j), alpha.col(k), law);
+      });
       if (law.terms.fibre) B += fibre_block<T>(alpha.col(j), alpha.col(k), law.fibre, law.direction);
       Mat3<T> block = Mat3<T>::Zero();
-      if (law.terms.svk || law.terms.fibre) block = F * B.value() * F.transpose();
-      block.diagonal().array() += alpha.col(j).dot(S.value() * alpha.col(k));
+      if (is_green) block = F * B.value() * F.transpose();
+      block.diagonal().array() += alpha.col(j).dot(sum.S.value() * alpha.col(k));
+      if (sum.has_invariant)
+        block += sum.stretch * a.col(j) * a.col(k).transpose() +
+                 sum.mixed * (a.col(j) * g.col(k).transpose() + g.col(j) * a.col(k).transpose());
       const Vec3<T> turned = F * Vec3<T>(alpha.col(j)).cross(Vec3<T>(alpha.col(k)));
-      block +=
-          psi.value().curvature * g.col(j) * g.col(k).transpose() - psi.value().slope * cross_matrix(turned);
+      block += sum.psi.value().curvature * g.col(j) * g.col(k).transpose() -
+               sum.psi.value().slope * cross_matrix(turned);
       K.template block<3, 3>(3 * j, 3 * k) = block;
     }
   return K;

@@ -2,6 +2,9 @@
 // so that what only stores or passes on a law is not compiled again when a formula changes.
 #pragma once
 
+#include <array>
+#include <cstdint>
+#include <iterator>
 #include <tuple>
 
 #include "lobe/types.h"
@@ -30,19 +33,34 @@ struct FibreModuli {
       std::tuple(&FibreModuli::coupling, &FibreModuli::shear, &FibreModuli::stretch);
 };
 
+// The laws of the non-linear model. `none`: a sum of other terms alone. A new law has a row here, and a
+// struct of formulas in law.h.
+enum class MaterialLaw : std::uint8_t { svk, neo_hookean, yeoh, none };
+struct LawRow {
+  const char* name;                 // as scenes say it
+  std::array<const char*, 2> keys;  // of its moduli beside λ and μ [Pa], in scenes; null: it has fewer
+};
+inline constexpr LawRow law_rows[] = {{"svk", {}}, {"neo-hookean", {}}, {"yeoh", {"yeoh_c2", "yeoh_c3"}}};
+inline constexpr int law_count = std::size(law_rows);
+static_assert(law_count == int(MaterialLaw::none));
+
 struct Terms {
-  bool svk = true, volume = false, pressure = false, guard = false, fibre = false, neo_hookean = false;
+  MaterialLaw solid = MaterialLaw::svk;
+  bool volume = false, pressure = false, guard = false, fibre = false;
 
   bool operator==(const Terms&) const = default;
   constexpr bool includes(const Terms& other) const {
-    return svk >= other.svk && volume >= other.volume && pressure >= other.pressure && guard >= other.guard &&
-           fibre >= other.fibre && neo_hookean >= other.neo_hookean;
+    return (solid == other.solid || other.solid == MaterialLaw::none) && volume >= other.volume &&
+           pressure >= other.pressure && guard >= other.guard && fibre >= other.fibre;
   }
   // Without those that any solid may have, whose moduli are 0 where it has not.
-  constexpr Terms solid() const {
+  constexpr Terms without_additions() const {
     Terms own = *this;
     own.volume = own.pressure = own.guard = false;
     return own;
+  }
+  constexpr Terms without_solid() const {
+    return {.solid = MaterialLaw::none, .volume = volume, .guard = guard};
   }
 };
 
@@ -55,7 +73,8 @@ struct Law {
   T guard_threshold;  // J₀
   Terms terms;
   FibreModuli<T> fibre{};
-  Vec3<T> direction{};  // of the fibre, a unit vector at rest; not read without the term
+  Vec3<T> direction{};         // of the fibre, a unit vector at rest; not read without the term
+  std::array<T, 2> further{};  // moduli of the solid beside λ and μ (law_rows) [Pa]
 
   template <class U>
   Law<U> as() const {
@@ -67,11 +86,12 @@ struct Law {
             U(guard_threshold),
             terms,
             fibre.template as<U>(),
-            {U(direction[0]), U(direction[1]), U(direction[2])}};
+            {U(direction[0]), U(direction[1]), U(direction[2])},
+            {U(further[0]), U(further[1])}};
   }
   Law times(const T& V) const {  // all moduli: energies and stresses are then V times those of this law
     return {V * lambda,      V * mu, V * kappa,      V * pressure, V * guard_modulus,
-            guard_threshold, terms,  fibre.times(V), direction};
+            guard_threshold, terms,  fibre.times(V), direction,    {V * further[0], V * further[1]}};
   }
 };
 

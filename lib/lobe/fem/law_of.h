@@ -15,13 +15,13 @@ inline Law<double> nonlinear_law(const Elastic& elastic, double volume_penalty, 
           .pressure = pressure,
           .guard_modulus = elastic.guard_modulus(),
           .guard_threshold = guard_below,
-          .terms = {.svk = elastic.law == MaterialLaw::svk,
+          .terms = {.solid = elastic.law,
                     .volume = volume_penalty > 0,
                     .pressure = pressure != 0,
                     .guard = guard_below > 0,
-                    .fibre = elastic.fibre.any(),
-                    .neo_hookean = elastic.law == MaterialLaw::neo_hookean},
-          .fibre = elastic.fibre};
+                    .fibre = elastic.fibre.any()},
+          .fibre = elastic.fibre,
+          .further = elastic.further};
 }
 inline Law<double> nonlinear_law(const Elements& elements, Index tet, double pressure = 0) {
   Law<double> law =
@@ -36,7 +36,8 @@ inline Law<double> unsmoothed_law(const Elastic& elastic, double volume_penalty,
   if (!elastic.is_smoothed()) return law;
   law.lambda = law.mu = 0;
   law.fibre = {};
-  law.terms = {.svk = false, .volume = law.terms.volume, .guard = law.terms.guard};
+  law.further = {};
+  law.terms = {.solid = MaterialLaw::none, .volume = law.terms.volume, .guard = law.terms.guard};
   return law;
 }
 inline Law<double> unsmoothed_law(const Elements& elements, Index tet, double pressure = 0) {

@@ -1,11 +1,15 @@
 #include "lobe/fem/mean_material.h"
 
+#include <algorithm>
+
 #include "lobe/numerics/symmetric_eigen.h"
 
 namespace lobe {
 
 MeanMaterial mean_material(const Elements& elements, const std::vector<Index>& tets) {
-  double volume = 0, lambda = 0, mu = 0, nodal_lambda = 0, neo_hookean = 0;
+  double volume = 0, lambda = 0, mu = 0, nodal_lambda = 0;
+  std::array<double, law_count> volume_of{};  // per law
+  std::array<std::array<double, 2>, law_count> further{};
   FibreModuli<double> fibre;
   Mat3<double> structure = Mat3<double>::Zero();  // ∫ a⊗a where there are fibres
   for (Index t : tets) {
@@ -16,7 +20,8 @@ MeanMaterial mean_material(const Elements& elements, const std::vector<Index>& t
     lambda += V * e.lambda;
     mu += V * e.mu;
     nodal_lambda += V * e.nodal_lambda();
-    if (e.law == MaterialLaw::neo_hookean) neo_hookean += V;
+    volume_of[std::size_t(e.law)] += V;
+    for (std::size_t i = 0; i < e.further.size(); ++i) further[std::size_t(e.law)][i] += V * e.further[i];
     if (!e.fibre.any()) continue;
     fibre += e.fibre.times(V);
     structure += V * elements.fibre_of(t) * elements.fibre_of(t).transpose();
@@ -25,7 +30,10 @@ MeanMaterial mean_material(const Elements& elements, const std::vector<Index>& t
   mean.material.lambda = lambda / volume;
   mean.material.mu = mu / volume;
   mean.material.nodal_pressure = nodal_lambda > 0 ? nodal_lambda / lambda : 0;
-  mean.material.law = neo_hookean > volume / 2 ? MaterialLaw::neo_hookean : MaterialLaw::svk;
+  const auto most = std::max_element(volume_of.begin(), volume_of.end()) - volume_of.begin();
+  mean.material.law = MaterialLaw(most);
+  for (std::size_t i = 0; i < further[0].size(); ++i)
+    mean.material.further[i] = further[std::size_t(most)][i] / volume_of[std::size_t(most)];
   mean.material.fibre = fibre.times(1 / volume);
   if (fibre.any()) mean.direction = symmetric_eigen(structure).vectors.col(2);
   return mean;

@@ -6,6 +6,7 @@
 // not soften in uniaxial compression. Its energy is finite for every F, inverted ones too.
 #pragma once
 
+#include "lobe/fem/solid.h"
 #include "lobe/fem/volume_term.h"
 #include "lobe/types.h"
 
@@ -50,5 +51,27 @@ Mat3<T> neo_hookean_diagonal_block(const Mat3<T>& H, const Vec3<T>& alpha, const
   for (int i = 0; i < 3; ++i) block(i, i) += shear;
   return block;
 }
+
+struct NeoHookean {  // solid.h
+  static constexpr bool in_green_strain = false;
+  template <class T>
+  LOBE_INLINE static T energy_density(const Mat3<T>& H, const Law<T>& law) {
+    return neo_hookean_energy_density(H, law.lambda, law.mu);
+  }
+  template <class T>
+  LOBE_INLINE static Mat3<T> stress(const Mat3<T>& H, const Law<T>& law) {
+    return neo_hookean_stress(H, law.lambda, law.mu);
+  }
+  template <class T>
+  LOBE_INLINE static Mat3<T> diagonal_block(const Mat3<T>& H, const Vec3<T>& alpha, const Law<T>& law) {
+    return neo_hookean_diagonal_block(H, alpha, law.lambda, law.mu);
+  }
+  template <class T>
+  LOBE_INLINE static void add_second_order(const Mat3<T>& H, const Law<T>& law, SecondOrder<T>& sum) {
+    sum.S += law.mu * Mat3<T>::Identity();
+    sum.psi += neo_hookean_volume_derivatives(H, law.lambda, law.mu);
+  }
+  static const char* fault(const Law<double>&) { return ""; }
+};
 
 }  // namespace lobe

@@ -5,6 +5,8 @@
 // does.
 #pragma once
 
+#include "lobe/fem/hooke.h"
+#include "lobe/fem/solid.h"
 #include "lobe/types.h"
 
 namespace lobe {
@@ -43,7 +45,8 @@ Mat3<T> svk_stress(const Mat3<T>& H, const T& lambda, const T& mu)  // first Pio
 // ∂²W/∂u_j² / V = (α·Sα) I + (λ + μ)(Fα)⊗(Fα) + μ (α·α) F Fᵀ at the current state, α = α_j. It is the
 // stiffness that a vertex feels when it moves while its neighbours are held, and determines the time step.
 template <class T>
-Mat3<T> svk_diagonal_block(const Mat3<T>& H, const Vec3<T>& alpha, const T& lambda, const T& mu)  // [Pa/m²]
+LOBE_INLINE Mat3<T> svk_diagonal_block(const Mat3<T>& H, const Vec3<T>& alpha, const T& lambda,
+                                       const T& mu)  // [Pa/m²]
 {
   const Mat3<T> S = svk_second_stress(H, lambda, mu);
   const Vec3<T> Fa = alpha + H.lazyProduct(alpha);
@@ -56,5 +59,34 @@ Mat3<T> svk_diagonal_block(const Mat3<T>& H, const Vec3<T>& alpha, const T& lamb
   for (int i = 0; i < 3; ++i) block(i, i) += geometric;
   return block;
 }
+
+struct Svk {  // solid.h
+  static constexpr bool in_green_strain = true;
+  template <class T>
+  LOBE_INLINE static T energy_density(const Mat3<T>& H, const Law<T>& law) {
+    return svk_energy_density(H, law.lambda, law.mu);
+  }
+  template <class T>
+  LOBE_INLINE static Mat3<T> second_stress(const Mat3<T>& H, const Law<T>& law) {
+    return svk_second_stress(H, law.lambda, law.mu);
+  }
+  template <class T>
+  LOBE_INLINE static Mat3<T> stress(const Mat3<T>& H, const Law<T>& law) {
+    return svk_stress(H, law.lambda, law.mu);
+  }
+  template <class T>
+  LOBE_INLINE static Mat3<T> diagonal_block(const Mat3<T>& H, const Vec3<T>& alpha, const Law<T>& law) {
+    return svk_diagonal_block(H, alpha, law.lambda, law.mu);
+  }
+  template <class T>
+  LOBE_INLINE static Mat3<T> green_block(const Vec3<T>& alpha_j, const Vec3<T>& alpha_k, const Law<T>& law) {
+    return hooke_block<T>(alpha_j, alpha_k, law.lambda, law.mu);
+  }
+  template <class T>
+  LOBE_INLINE static void add_second_order(const Mat3<T>& H, const Law<T>& law, SecondOrder<T>& sum) {
+    sum.S += second_stress(H, law);
+  }
+  static const char* fault(const Law<double>&) { return ""; }
+};
 
 }  // namespace lobe

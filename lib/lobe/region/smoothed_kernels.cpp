@@ -104,8 +104,7 @@ LOBE_FLATTEN void add_stiffness_of(const SmoothedArrays<Real>& patch, Real* sums
 
 // Whether a kernel for these terms evaluates the law: what the law does not have gets the modulus 0.
 constexpr bool evaluates(const Terms& terms, const Terms& of_law) {
-  return terms.neo_hookean == of_law.neo_hookean && terms.fibre >= of_law.fibre &&
-         terms.pressure >= of_law.pressure;
+  return terms.solid == of_law.solid && terms.fibre >= of_law.fibre && terms.pressure >= of_law.pressure;
 }
 
 template <class Real, std::size_t i = 0>

@@ -46,10 +46,11 @@ struct SmoothedArrays {  // one patch: all its domains are of one material
 };
 
 // The sums of terms for which kernels are compiled. The first is that of forces alone.
-inline constexpr Terms smoothed_terms[] = {{.svk = true},
-                                           {.svk = true, .pressure = true},
-                                           {.svk = true, .pressure = true, .fibre = true},
-                                           {.svk = false, .neo_hookean = true}};
+inline constexpr Terms smoothed_terms[] = {{},
+                                           {.pressure = true},
+                                           {.pressure = true, .fibre = true},
+                                           {.solid = MaterialLaw::neo_hookean},
+                                           {.solid = MaterialLaw::yeoh}};
 
 template <class Real>
 struct SmoothedKernels {

@@ -55,7 +55,7 @@ template <class Real, Terms terms, Guarding guarding>
 LOBE_FLATTEN Real add_forces_of(const PatchArrays<Real>& patch, Real* sums) {
   using T = Pack<Real>;
   using Lanes = ElementLanes<T>;
-  constexpr bool any_force = !(terms == Terms{.svk = false}) || guarding == Guarding::acting;
+  constexpr bool any_force = !(terms == Terms{.solid = MaterialLaw::none}) || guarding == Guarding::acting;
   T smallest = 1;
   for (Index b = 0; b < patch.block_count; ++b) {
     prefetch(patch.blocks + b);
@@ -126,11 +126,20 @@ LOBE_FLATTEN Real add_stiffness_of(const PatchArrays<Real>& patch, Real* sums) {
   return hmin(smallest);
 }
 
+// Of laws other than St Venant-Kirchhoff, which have neither fibres nor nodal pressure.
+template <class Real, StiffnessPart part, int law = 1 + int(MaterialLaw::svk)>
+Real add_stiffness_of_other(const PatchArrays<Real>& patch, Real* sums) {
+  if constexpr (law + 1 < law_count)
+    if (patch.law.terms.solid != MaterialLaw(law))
+      return add_stiffness_of_other<Real, part, law + 1>(patch, sums);
+  return add_stiffness_of<Real, part, Terms{.solid = MaterialLaw(law)}>(patch, sums);
+}
+
 template <class Real, StiffnessPart part, bool nodal_pressure>
 Real add_stiffness_part(const PatchArrays<Real>& patch, Real* sums) {
   const Terms& terms = patch.law.terms;
-  if (terms.neo_hookean)
-    return add_stiffness_of<Real, part, Terms{.svk = false, .neo_hookean = true}>(patch, sums);
+  if (terms.solid != MaterialLaw::svk && terms.solid != MaterialLaw::none)
+    return add_stiffness_of_other<Real, part>(patch, sums);
   if (terms.fibre)
     return add_stiffness_of<Real, part, Terms{.pressure = nodal_pressure, .fibre = true}>(patch, sums);
   return add_stiffness_of<Real, part, Terms{.pressure = nodal_pressure}>(patch, sums);

@@ -59,7 +59,7 @@ ordered_json summarise_materials(const Scene& scene, const Setup& setup) {
                                        {"wave_speed_m_s", wave_speed(m.lambda, m.mu, m.density)},
                                        {"expected_sag_m", expected_sag(m, g, box_diagonal(setup.mesh))}});
     if (m.fracture_energy > 0) entry["fracture_energy_J_m2"] = m.fracture_energy;
-    if (m.law == MaterialLaw::neo_hookean) entry["law"] = "neo-hookean";
+    if (m.law != MaterialLaw::svk) entry["law"] = law_rows[std::size_t(m.law)].name;
     if (m.is_smoothed()) entry["element"] = "edge-smoothed";
     if (m.fibre.any()) entry["fibre"] = summarise_fibre(m);
   }
@@ -199,7 +199,7 @@ void print_materials(std::ostream& out, const ordered_json& materials) {
     if (m["nodal_pressure"] > 0) out << ", nodal pressure " << rounded(m["nodal_pressure"]);
     if (m.contains("fracture_energy_J_m2"))
       out << ", " << rounded(m["fracture_energy_J_m2"]) << " J/m² to cut";
-    if (m.contains("law")) out << ", neo-Hookean";
+    if (m.contains("law")) out << ", " << m["law"].get<std::string>();
     if (m.contains("element")) out << ", edge-smoothed";
     out << "\n";
     if (m.contains("fibre")) print_fibre(out, m["fibre"]);

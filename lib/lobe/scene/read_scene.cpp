@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "lobe/error.h"
+#include "lobe/fem/law_fault.h"
 #include "lobe/scene/check_scene.h"
 #include "lobe/scene/json_text.h"
 #include "lobe/scene/material_constants.h"
@@ -45,6 +46,22 @@ void read_transverse(const json& entry, Material& material) {
   material.fibre = read_fibre(entry["fibre"]);
 }
 
+void read_law(const json& entry, const std::string& pointer, Material& material) {
+  const std::string wanted = entry.value("law", law_rows[0].name);
+  for (int law = 0; law < law_count; ++law) {
+    const LawRow& row = law_rows[law];
+    if (row.name == wanted) material.law = MaterialLaw(law);
+    for (std::size_t i = 0; i < row.keys.size(); ++i) {
+      if (!row.keys[i] || !entry.contains(row.keys[i])) continue;
+      if (row.name != wanted)
+        throw InputError(
+            {{pointer + "/" + row.keys[i], "is a modulus of \"law\": \"" + std::string(row.name) +
+                                               "\", but the law is \"" + wanted + "\""}});
+      material.further[i] = entry[row.keys[i]];
+    }
+  }
+}
+
 // A material with the keys that its tissue stands for and that it does not have itself.
 json with_tissue(json entry) {
   if (!entry.contains("tissue")) return entry;
@@ -68,7 +85,7 @@ Material read_material(const json& given, const std::string& pointer) {
     material.nodal_pressure = share.is_boolean() ? double(share.get<bool>()) : share.get<double>();
   }
   if (entry.value("element", "tetrahedron") == "edge-smoothed") material.element = ElementType::edge_smoothed;
-  if (entry.value("law", "svk") == "neo-hookean") material.law = MaterialLaw::neo_hookean;
+  read_law(entry, pointer, material);
   if (entry.contains("young_modulus_along")) {
     read_transverse(entry, material);
   } else if (entry.contains("young_modulus")) {
@@ -81,6 +98,8 @@ Material read_material(const json& given, const std::string& pointer) {
   }
   material.where = read_where(entry);
   material.pointer = pointer;
+  if (const std::string fault = law_fault(elastic_of(material)); !fault.empty())
+    throw InputError({{pointer + "/law", fault}});
   return material;
 }
 

@@ -45,9 +45,9 @@ std::vector<std::string> places_of(const Scene& scene, Option option) {
       return places_in(scene.materials, "/materials", "element", [](const Material& material) {
         return material.element == ElementType::edge_smoothed;
       });
-    case Option::neo_hookean:
+    case Option::other_law:
       return places_in(scene.materials, "/materials", "law",
-                       [](const Material& material) { return material.law == MaterialLaw::neo_hookean; });
+                       [](const Material& material) { return material.law != MaterialLaw::svk; });
     case Option::automatic:
       return place_if(scene.auto_regions.has_value(), "/regions/auto");
     case Option::stored:

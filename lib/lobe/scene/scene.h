@@ -89,6 +89,7 @@ struct Material {
   double fracture_energy = 0;     // work of a scalpel per area [J/m²]
   double nodal_pressure = 0;      // share of λ whose pressure is averaged at nodes, 0…1
   MaterialLaw law = MaterialLaw::svk;
+  std::array<double, 2> further{};  // moduli of the law (law_rows) [Pa]
   ElementType element = ElementType::tetrahedron;
   std::optional<TransverseConstants> transverse;  // with fibres, in place of both Lamé coefficients
   std::optional<FibreField> fibre;                // together with them
@@ -99,6 +100,7 @@ inline Elastic elastic_of(const Material& m) {
   Elastic elastic{m.lame_lambda, m.lame_mu, m.density, m.nodal_pressure, m.law};
   elastic.fracture_energy = m.fracture_energy;
   elastic.element = m.element;
+  elastic.further = m.further;
   if (m.transverse) set_transverse(*m.transverse, elastic);
   return elastic;
 }
@@ -110,7 +112,7 @@ struct Region {
   double cell = 0;  // reduced: edge of the lattice's cells, equal in all such regions [m]; 0: lobe chooses
   std::optional<Selector> where;
   std::string pointer;
-  double tolerance = 0;      // reduced: estimated error that is corrected, the same in all; 0: none is
+  double tolerance = 0;  // reduced: estimated error that is corrected, the same in all; 0: none is
 };
 
 // A gesture for which regions are chosen: a displacement of vertices [m], or a force on them [N].

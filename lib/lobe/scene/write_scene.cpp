@@ -91,7 +91,10 @@ ordered_json write(const Material& material) {
   entry["density"] = material.density;
   entry["fracture_energy"] = material.fracture_energy;
   entry["nodal_pressure"] = material.nodal_pressure;
-  entry["law"] = material.law == MaterialLaw::neo_hookean ? "neo-hookean" : "svk";
+  const LawRow& law = law_rows[std::size_t(material.law)];
+  entry["law"] = law.name;
+  for (std::size_t i = 0; i < law.keys.size(); ++i)
+    if (law.keys[i]) entry[law.keys[i]] = material.further[i];
   entry["element"] = material.element == ElementType::edge_smoothed ? "edge-smoothed" : "tetrahedron";
   if (material.fibre) entry["fibre"] = std::visit(FibreWriter{}, *material.fibre);
   add_where(entry, material.where);

@@ -5,6 +5,7 @@
 #include <iterator>
 
 #include "lobe/error.h"
+#include "lobe/fem/law_fault.h"
 #include "lobe/fem/transverse_isotropy.h"
 #include "lobe/setup/exclusions.h"
 
@@ -66,6 +67,7 @@ void Checker::check_materials() {
                (e.fibre.any() || 3 * e.lambda + 2 * e.mu > 0) && e.density > 0,
            "a material needs finite mu > 0, 3 lambda + 2 mu > 0 and density > 0");
     expect(e.nodal_pressure >= 0 && e.nodal_pressure <= 1, "nodal_pressure must be in [0, 1]");
+    expect(law_fault(e).empty(), law_fault(e));
     expect(e.nodal_pressure == 0 || e.lambda >= 0, "nodal_pressure needs lambda of at least 0: set it to 0");
   }
   expect(std::all_of(setup_.material_of.begin(), setup_.material_of.end(),

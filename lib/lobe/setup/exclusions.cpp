@@ -29,9 +29,9 @@ constexpr Exclusion table[] = {
      "use \"nonlinear\""},
     {Option::edge_smoothed, Option::automatic, "linear regions are of plain tetrahedra",
      "leave one of them out"},
-    {Option::neo_hookean, Option::stored, "its energy is no polynomial of degree 4 in displacements",
+    {Option::other_law, Option::stored, "its energy is no polynomial of degree 4 in displacements",
      "use \"direct\""},
-    {Option::nodal_pressure, Option::neo_hookean, "it averages the pressure of St Venant-Kirchhoff",
+    {Option::nodal_pressure, Option::other_law, "it averages the pressure of St Venant-Kirchhoff",
      "use \"law\": \"svk\""},
     {Option::sleep, Option::nodal_pressure, "the pressure of a patch depends on its neighbours",
      "leave one of them out"},
@@ -50,8 +50,8 @@ constexpr Exclusion table[] = {
 };
 
 constexpr Exclusion table_of_material[] = {
-    {Option::neo_hookean, Option::fibres,
-     "constants along and across fibres are those of St Venant-Kirchhoff", "use \"law\": \"svk\""},
+    {Option::other_law, Option::fibres, "constants along and across fibres are those of St Venant-Kirchhoff",
+     "use \"law\": \"svk\""},
 };
 
 Fault fault_of(const Exclusion& exclusion, const std::string& place) {
@@ -79,8 +79,8 @@ const char* name(Option option) {
       return "\"nodal_pressure\"";
     case Option::edge_smoothed:
       return "\"element\": \"edge-smoothed\"";
-    case Option::neo_hookean:
-      return "\"law\": \"neo-hookean\"";
+    case Option::other_law:
+      return "a law other than SVK";
     case Option::fibres:
       return "a material with fibres";
     case Option::stored:
@@ -121,7 +121,7 @@ Options options_of(const Setup& setup) {
   used.add(Option::nodal_pressure, any_nodal_pressure(setup.materials));
   used.add(Option::edge_smoothed, any_smoothed(setup.materials));
   used.add(Option::fibres, any_fibre(setup.materials));
-  used.add(Option::neo_hookean, any_neo_hookean(setup.materials));
+  used.add(Option::other_law, any_other_law(setup.materials));
   used.add(Option::stored, setup.evaluator == Evaluator::stored);
   used.add(Option::sleep, setup.sleep > 0);
   used.add(Option::selective_mass, setup.selective_mass > 1);
@@ -141,7 +141,7 @@ std::vector<Fault> find_exclusions(const Options& used, const PlacesOf& places_o
 
 std::vector<Fault> find_material_exclusions(MaterialLaw law, bool has_fibres, const std::string& place) {
   Options used;
-  used.add(Option::neo_hookean, law == MaterialLaw::neo_hookean);
+  used.add(Option::other_law, law != MaterialLaw::svk);
   used.add(Option::fibres, has_fibres);
   std::vector<Fault> faults;
   for (const Exclusion& exclusion : table_of_material)

@@ -24,7 +24,7 @@ enum class Option : std::uint8_t {
   reduced,
   automatic,  // regions that are chosen by their estimated error
   nodal_pressure,
-  neo_hookean,
+  other_law,  // than St Venant-Kirchhoff
   fibres,
   stored,
   sleep,

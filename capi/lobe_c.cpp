@@ -6,6 +6,7 @@
 #include <filesystem>
 
 #include "lobe/error.h"
+#include "lobe/scene/parse_tool.h"
 #include "lobe/scene/read_scene.h"
 #include "lobe/text.h"
 #include "session.h"
@@ -245,6 +246,15 @@ lobe_status lobe_scalpel(lobe_session* session, uint32_t tool, const double tip[
     const lobe::Vec3d position = session->axes.point_in(vector_of(tip, "tip"));
     const lobe::Vec3d end = session->axes.point_in(vector_of(heel, "heel"));
     return send(session, lobe::bring_tool(tool, position, lobe::BringScalpel{"", {position, end}}));
+  });
+}
+
+lobe_status lobe_bring(lobe_session* session, uint32_t tool, const char* json) {
+  return guarded([&] {
+    require(session, "session");
+    require(json, "json");
+    lobe::ParsedTool parsed = lobe::parse_tool(json);
+    return send(session, lobe::bring_tool(tool, parsed.position, std::move(parsed.command)));
   });
 }
 

@@ -102,7 +102,14 @@ LOBE_API lobe_status lobe_cautery(lobe_session* session, uint32_t tool, const do
  * cut until it is switched on. */
 LOBE_API lobe_status lobe_scalpel(lobe_session* session, uint32_t tool, const double tip[3],
                                   const double heel[3]);
-LOBE_API lobe_status lobe_switch(lobe_session* session, uint32_t tool, int on); /* a cautery or a scalpel */
+/* Brings any tool but a grasp, as a scene describes it (docs/scene.md), with "at", a row of its path without
+ * the time, in place of "path":
+ *   {"type": "probe", "shape": {"sphere": {"radius": 0.01}}, "at": [0.1, 0, 0.05]}
+ * Lengths are metres and directions those of the scene, whatever lobe_options.axes says; files of shapes are
+ * relative to the working folder. lobe_last_error() names each fault by its JSON pointer. */
+LOBE_API lobe_status lobe_bring(lobe_session* session, uint32_t tool, const char* json);
+/* A cautery burns while it is on, a scalpel cuts, jaws close. */
+LOBE_API lobe_status lobe_switch(lobe_session* session, uint32_t tool, int on);
 /* Moves a tool to a pose: position and unit quaternion (x, y, z, w). A grasp begins at the point given to
  * lobe_grasp(), or hit by the ray, with quaternion (0, 0, 0, 1). Its pose says where that point is to be, and
  * how far the grasp has turned since. */

@@ -123,6 +123,8 @@ namespace Lobe {
     [DllImport(library)]
     internal static extern Status lobe_scalpel(SessionHandle session, uint tool, double[] tip, double[] heel);
     [DllImport(library)]
+    internal static extern Status lobe_bring(SessionHandle session, uint tool, [MarshalAs(text)] string json);
+    [DllImport(library)]
     internal static extern Status lobe_switch(SessionHandle session, uint tool, int on);
     [DllImport(library)]
     internal static extern Status lobe_move(SessionHandle session, uint tool, double[] pose);

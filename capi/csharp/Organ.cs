@@ -114,6 +114,10 @@ namespace Lobe {
     public void Scalpel(uint tool, double[] tip, double[] heel) {  // switched off at first
       Check(Native.lobe_scalpel(session, tool, Vector(tip, 3), Vector(heel, 3)));
     }
+    // Any tool but a grasp, as a scene describes it, with "at" in place of "path" (docs/c.md).
+    public void Bring(uint tool, string json) {
+      Check(Native.lobe_bring(session, tool, json));
+    }
     public void Switch(uint tool, bool on) {
       Check(Native.lobe_switch(session, tool, on ? 1 : 0));
     }

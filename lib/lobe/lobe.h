@@ -147,6 +147,7 @@
 #include "lobe/scene/describe.h"
 #include "lobe/scene/frames.h"
 #include "lobe/scene/material_constants.h"
+#include "lobe/scene/parse_tool.h"
 #include "lobe/scene/read_scene.h"
 #include "lobe/scene/resolve.h"
 #include "lobe/scene/schema.h"

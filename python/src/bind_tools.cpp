@@ -149,9 +149,47 @@ void bind_scalpel(py::module_& module) {
            [](const PyScalpel& self) { return describe_tool(self, "Scalpel", "it is on", "it is off"); });
 }
 
-// ---- All of a world
+// Returns value(probe) of the probe of a handle.
+template <class Value>
+auto read_probe(const PyProbe& self, Value&& value) {
+  return use(self, [&](AnyWorld& world) {
+    for (const Probe& probe : world.tools().lists().probes)
+      if (probe.id == self.id && !probe.has_gone()) return value(probe);
+    throw InputError("tool", "was let go already");
+  });
+}
 
-using AnyTool = std::variant<PyGrasp, PyCautery, PyScalpel>;
+void bind_probe(py::module_& module) {
+  py::class_<PyProbe>(
+      module, "Probe",
+      "A rigid body that touches the organ, or jaws that close on it. World.bring() makes it.")
+      .def("move_to", &lead<PyProbe>, py::arg("position"), py::arg("orientation") = py::none(),
+           "Moves its origin to this position by the end of the next frame [m]. The orientation is a unit "
+           "quaternion\n(x, y, z, w) of its axes.")
+      .def("switch", &turn_on<PyProbe>, py::arg("on"),
+           "Closes jaws, or opens them. Others have nothing to switch.")
+      .def("release", &let_go<PyProbe>, "Takes it away.")
+      .def_property_readonly("name", &name_of<PyProbe>, "The name that it was given.")
+      .def_property_readonly(
+          "force",
+          [](const PyProbe& self) {
+            return copied(read_probe(self, [](const Probe& p) { return p.force; }));
+          },
+          "The force that it exerts on the body, mean over the last frame [N].")
+      .def_property_readonly(
+          "torque",
+          [](const PyProbe& self) {
+            return copied(read_probe(self, [](const Probe& p) { return p.torque; }));
+          },
+          "The torque that it exerts on the body about its origin, mean over the last frame [N m].")
+      .def_property_readonly(
+          "grip", [](const PyProbe& self) { return read_probe(self, [](const Probe& p) { return p.grip; }); },
+          "The force by which jaws press on what is between them, mean over the last frame [N].")
+      .def("__repr__",
+           [](const PyProbe& self) { return describe_tool(self, "Probe", "its jaws close", "it is there"); });
+}
+
+// ---- All of a world
 
 template <class Handle, class Kind>
 void add_handles(const std::shared_ptr<PyWorld>& world, const std::vector<Kind>& tools,
@@ -170,6 +208,7 @@ py::list handles_of(const std::shared_ptr<PyWorld>& world) {
     add_handles<PyGrasp>(world, lists.grasps, handles);
     add_handles<PyCautery>(world, lists.cauteries, handles);
     add_handles<PyScalpel>(world, lists.scalpels, handles);
+    add_handles<PyProbe>(world, lists.probes, handles);
   });
   return py::cast(std::move(handles));
 }
@@ -178,6 +217,7 @@ void bind_tools(py::module_& module) {
   bind_grasp(module);
   bind_cautery(module);
   bind_scalpel(module);
+  bind_probe(module);
 }
 
 }  // namespace lobe::python

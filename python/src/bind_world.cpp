@@ -1,6 +1,8 @@
 #include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
 
 #include "lobe/error.h"
+#include "lobe/scene/parse_tool.h"
 #include "lobe/text.h"
 #include "tools.h"
 
@@ -56,6 +58,23 @@ PyCautery bring_cautery(const std::shared_ptr<PyWorld>& world, const py::object&
   return bring<PyCautery>(world, BringCautery{name, radius, vector3(position, "position")});
 }
 
+PyCautery handle_of(const std::shared_ptr<PyWorld>& world, const BringCautery& command) {
+  return bring<PyCautery>(world, command);
+}
+PyScalpel handle_of(const std::shared_ptr<PyWorld>& world, const BringScalpel& command) {
+  return bring<PyScalpel>(world, command);
+}
+PyProbe handle_of(const std::shared_ptr<PyWorld>& world, const BringProbe& command) {
+  return bring<PyProbe>(world, command);
+}
+
+AnyTool bring_any(const std::shared_ptr<PyWorld>& world, const py::dict& tool,
+                  const std::filesystem::path& folder) {
+  const auto text = py::module_::import("json").attr("dumps")(tool).cast<std::string>();
+  return std::visit([&](const auto& command) -> AnyTool { return handle_of(world, command); },
+                    parse_tool(text, folder).command);
+}
+
 PyScalpel bring_scalpel(const std::shared_ptr<PyWorld>& world, const py::object& tip, const py::object& heel,
                         double snap, bool along_faces, const std::string& name) {
   const BladePose pose{vector3(tip, "tip"), vector3(heel, "heel")};
@@ -68,6 +87,13 @@ void add_tools(WorldClass& world) {
            py::arg("radius") = 0.0, py::arg("name") = "hand",
            "Takes hold, at the start of the next frame, of vertices (indices or a mask), or of all within "
            "the radius [m]\nof a point [m].")
+      .def(
+          "bring", &bring_any, py::arg("tool"), py::kw_only(), py::arg("folder") = ".",
+          "Brings a tool that a dictionary describes as a scene does (docs/scene.md), with \"at\", a row of "
+          "its path\nwithout the time, in place of \"path\": {\"type\": \"probe\", \"shape\": {\"sphere\": "
+          "{\"radius\": 0.01}}, \"at\": [0.1, 0, 0.05]}.\nReturns its handle: Cautery, Scalpel or Probe. "
+          "folder: what relative paths of shapes are relative to.\nRaises ValueError with each fault and its "
+          "JSON pointer.")
       .def("cautery", &bring_cautery, py::arg("position"), py::kw_only(), py::arg("radius"),
            py::arg("name") = "cautery", "Adds a cautery, switched off. The radius is its tip's [m].")
       .def("scalpel", &bring_scalpel, py::arg("tip"), py::arg("heel"), py::kw_only(), py::arg("snap") = 0.1,

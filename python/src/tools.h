@@ -1,6 +1,8 @@
 // Handles of tools that a script leads.
 #pragma once
 
+#include <variant>
+
 #include "world.h"
 
 namespace lobe::python {
@@ -14,6 +16,7 @@ struct PyTool {
 struct PyGrasp : PyTool {};
 struct PyCautery : PyTool {};
 struct PyScalpel : PyTool {};
+struct PyProbe : PyTool {};
 
 // Brings a tool of the command, and returns its handle.
 template <class Handle, class Bring>
@@ -23,6 +26,8 @@ Handle bring(const std::shared_ptr<PyWorld>& world, const Bring& command) {
     return Handle{{world, id, world->times_restored()}};
   });
 }
+
+using AnyTool = std::variant<PyGrasp, PyCautery, PyScalpel, PyProbe>;
 
 // Those of all tools that are led by hand and have not been let go.
 py::list handles_of(const std::shared_ptr<PyWorld>& world);

@@ -94,6 +94,27 @@ static void lift_and_burn(const char* data, const char* folder) {
   lobe_surface_release(session, &kept); /* twice: nothing */
   lobe_surface_release(session, &surface);
 
+  CHECK(lobe_bring(session, 11,
+                   "{\"type\": \"probe\", \"shape\": {\"sphere\": {\"radius\": 0}}, \"at\": [0, 0, 1]}") ==
+            LOBE_BAD_INPUT &&
+        strstr(lobe_last_error(), "/shape/sphere/radius") != NULL);
+  CHECK(lobe_bring(session, 11, "{\"type\": \"grasp\", \"at\": [0, 0, 1]}") == LOBE_BAD_INPUT);
+  CHECK(lobe_bring(session, 11, NULL) == LOBE_BAD_INPUT);
+  CHECK(lobe_bring(session, 11,
+                   "{\"type\": \"probe\", \"shape\": {\"sphere\": {\"radius\": 0.01}}, "
+                   "\"at\": [0.03, -0.03, 0.3]}") == LOBE_OK);
+  CHECK(lobe_advance(session, 2) == LOBE_OK);
+  lobe_tool probe = {.size = sizeof probe};
+  CHECK(lobe_get_tool(session, 11, &probe) == LOBE_OK && probe.force[2] == 0);
+  double highest = 0; /* that the organ pushes the probe back up [N] */
+  for (int i = 1; i <= 120 && highest == 0; ++i) {
+    const double pose[7] = {0.03, -0.03, 0.3 - 0.004 * i, 0, 0, 0, 1};
+    CHECK(lobe_move(session, 11, pose) == LOBE_OK && lobe_advance(session, 1) == LOBE_OK);
+    if (lobe_get_tool(session, 11, &probe) == LOBE_OK && probe.force[2] > highest) highest = probe.force[2];
+  }
+  CHECK(highest > 0);
+  CHECK(lobe_release(session, 11) == LOBE_OK && lobe_advance(session, 1) == LOBE_OK);
+
   const double from[3] = {0.05, -0.2, -0.2}, to[3] = {0.05, -0.2, 0.2};
   lobe_state uncut = {.size = sizeof uncut}, state = {.size = sizeof state};
   CHECK(lobe_get_state(session, &uncut) == LOBE_OK);

@@ -47,6 +47,7 @@ def test_every_class_says_what_it_is(mesh, scene, tip):
     world = lobe.World(scene)
     grasp, cautery = world.grasp(tip), world.cautery((0, 0, 1), radius=0.01)
     scalpel = world.scalpel((0, 0, 1), (0, 0, 2))
+    probe = world.bring({"type": "probe", "shape": {"sphere": {"radius": 0.001}}, "at": [0, 0, 1]})
     assert "takes hold in the next frame" in repr(grasp)
     report = world.advance(0.01)
     moment = world.snapshot()
@@ -57,7 +58,7 @@ def test_every_class_says_what_it_is(mesh, scene, tip):
     torn = lobe.World(scene)
     torn.set_forces(tip, np.full((len(tip), 3), 1e5))
     conditions = torn.advance(0.01).conditions
-    instances = [world, grasp, cautery, scalpel, report, report.transitions, moment, moment.surface, static,
+    instances = [world, grasp, cautery, scalpel, probe, report, report.transitions, moment, moment.surface, static,
                  lobe.compare(mesh, static.u, static.u), proposal, proposal.gestures[0], mesh, scene, world.save(),
                  *conditions[:1]]
     assert {type(instance).__name__ for instance in instances} == set(CLASSES)

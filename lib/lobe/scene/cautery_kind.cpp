@@ -54,6 +54,10 @@ void resolve_cautery(Resolution& resolution, const Tool& tool, const std::string
     resolution.warn(here + "/path", "never comes within its radius of the mesh's bounding box");
 }
 
+BringTool bring_cautery(Resolution&, const Tool& tool, const std::string&) {
+  return BringCautery{tool.name, tool.radius, tool.path.front().position};
+}
+
 void summarise_cautery(const Setup& setup, std::size_t number, nlohmann::ordered_json& entry) {
   entry["radius_m"] = setup.cauteries[number].radius;
 }
@@ -74,6 +78,7 @@ extern const ToolKind cautery_kind;
 const ToolKind cautery_kind{CauterySetup::type, "4 numbers: time and place of the tip",
                             read_cautery,       read_cautery_row,
                             write_cautery,      resolve_cautery,
-                            summarise_cautery,  append_cauteries};
+                            bring_cautery,      summarise_cautery,
+                            append_cauteries};
 
 }  // namespace lobe

@@ -92,6 +92,7 @@ extern const ToolKind grasp_kind;
 const ToolKind grasp_kind{GraspSetup::type, "4 numbers, or 8 with a quaternion",
                           read_grasp,       read_grasp_row,
                           write_grasp,      resolve_grasp,
-                          summarise_grasp,  append_grasps};
+                          nullptr,          summarise_grasp,
+                          append_grasps};
 
 }  // namespace lobe

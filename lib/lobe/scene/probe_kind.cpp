@@ -95,6 +95,15 @@ void resolve_probe(Resolution& resolution, const Tool& tool, const std::string& 
   warn_of_leaps(resolution, tool, shape, here + "/path");
 }
 
+BringTool bring_probe(Resolution& resolution, const Tool& tool, const std::string& here) {
+  const PathPoint& at = tool.path.front();
+  BringProbe probe{tool.name, {}, {at.position, at.orientation}, tool.friction};
+  if (tool.shape.kind == RigidShape::Kind::jaws) probe.pose.opening = at.opening;
+  if (auto shape = resolve_shape(resolution, tool.shape, tool.shape_file, here + "/shape"))
+    probe.shape = *std::move(shape);
+  return probe;
+}
+
 void summarise_probe(const Setup& setup, std::size_t number, nlohmann::ordered_json& entry) {
   entry["shape"] = write_shape(setup.probes[number].shape, {}).begin().key();
   entry["friction"] = setup.probes[number].friction;
@@ -119,6 +128,7 @@ const ToolKind probe_kind{
     ProbeSetup::type, "4 numbers, or 8 with a quaternion; one more for the opening of jaws",
     read_probe,       read_probe_row,
     write_probe,      resolve_probe,
-    summarise_probe,  append_probes};
+    bring_probe,      summarise_probe,
+    append_probes};
 
 }  // namespace lobe

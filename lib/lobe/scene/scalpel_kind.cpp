@@ -87,6 +87,11 @@ void resolve_scalpel(Resolution& resolution, const Tool& tool, const std::string
   if (!comes_near(tool, resolution.mesh())) warn("the blade never comes near the mesh");
 }
 
+BringTool bring_scalpel(Resolution&, const Tool& tool, const std::string&) {
+  return BringScalpel{
+      tool.name, {tool.path.front().position, tool.heels.front()}, tool.snap, tool.along_faces};
+}
+
 void summarise_scalpel(const Setup& setup, std::size_t number, nlohmann::ordered_json& entry) {
   entry["surface"] = setup.scalpels[number].along_faces ? "faces" : "smooth";
   entry["snap"] = setup.scalpels[number].snap;
@@ -111,6 +116,7 @@ const ToolKind scalpel_kind{
     ScalpelSetup::type, "7 numbers: time, tip and heel, or 4 where there is a \"blade\": time and tip",
     read_scalpel,       read_scalpel_row,
     write_scalpel,      resolve_scalpel,
-    summarise_scalpel,  append_scalpels};
+    bring_scalpel,      summarise_scalpel,
+    append_scalpels};
 
 }  // namespace lobe

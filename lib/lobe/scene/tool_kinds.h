@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "lobe/scene/resolve_parts.h"
+#include "lobe/tool/tool_lists.h"
 
 namespace lobe {
 
@@ -19,6 +20,8 @@ struct ToolKind {
   void (*write)(const Tool& tool, nlohmann::ordered_json& entry);
   // Adds the tool to the setup, and its faults and warnings.
   void (*resolve)(Resolution& resolution, const Tool& tool, const std::string& place);
+  // Makes the command by which a hand brings the tool to the first point of its path. None: hands take hold.
+  BringTool (*bring)(Resolution& resolution, const Tool& tool, const std::string& place);
   // Adds what `lobe check` says of the tool of this number of its kind.
   void (*summarise)(const Setup& setup, std::size_t number, nlohmann::ordered_json& entry);
   // Appends what hands have done, as tools of a scene whose mesh has so many vertices.

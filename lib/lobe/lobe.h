@@ -164,4 +164,5 @@
 #include "lobe/snapshot/snapshot.h"
 #include "lobe/snapshot/triple_buffer.h"
 #include "lobe/solve/quadratic_solver.h"
+#include "lobe/solve/rest_shape.h"
 #include "lobe/solve/static_solver.h"

@@ -44,6 +44,13 @@ int replay(const SceneOptions& options);
 int solve(const SceneOptions& options);
 int regions(const SceneOptions& options);
 
+struct RestOptions {
+  std::filesystem::path scene, mesh, output;  // the mesh in place of the scene's, if not empty
+  double tolerance = 1e-5;                    // [m]
+  bool json = false;
+};
+int rest(const RestOptions& options);
+
 struct CompareOptions {
   std::filesystem::path a, b;
   bool json = false;

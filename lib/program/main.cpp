@@ -162,6 +162,19 @@ void add_tissues(CLI::App& app, TissuesOptions& options, Action& action) {
   command->callback([&] { action = [&] { return print_tissues(options); }; });
 }
 
+void add_rest(CLI::App& app, RestOptions& options, Action& action) {
+  CLI::App* command =
+      app.add_subcommand("rest", "The unloaded shape of a body that is given under its loads");
+  command->add_option("SCENE", options.scene, "scene file, whose mesh is the loaded shape")->required();
+  command->add_option("--mesh", options.mesh, "mesh to use in place of the scene's");
+  command->add_option("-o,--output", options.output, "mesh to write (.vtu)")->required();
+  command->add_option("--tolerance", options.tolerance, "how near the loaded shape must come to the mesh [m]")
+      ->check(CLI::Range(1e-12, 1.0))
+      ->capture_default_str();
+  command->add_flag("--json", options.json, "print only JSON");
+  command->callback([&] { action = [&] { return rest(options); }; });
+}
+
 CLI::App* add_scene_command(CLI::App& app, const char* name, const char* help, SceneOptions& options,
                             Action& action, int (*function)(const SceneOptions&)) {
   CLI::App* command = app.add_subcommand(name, help);
@@ -197,6 +210,20 @@ void add_threads(CLI::App* command, SceneOptions& options) {
       ->capture_default_str();
 }
 
+void add_run(CLI::App& app, SceneOptions& options, Action& action) {
+  CLI::App* run_command =
+      add_scene_command(app, "run", "Play a scene: frames, pictures, report", options, action, run);
+  run_command->add_option("-o,--output", options.output, "directory for the results")->required();
+  add_threads(run_command, options);
+  run_command->add_flag("--no-pictures", options.no_pictures, "do not render pictures");
+  run_command->add_option("--record", options.record, "file to record the run in, for `replay`");
+  run_command->add_flag("--json", options.json, "print only the report");
+  CLI::App* replay_command = add_scene_command(
+      app, "replay", "Play a recording again and compare it, bit by bit", options, action, replay);
+  replay_command->add_option("RECORDING", options.record, "what `run --record` wrote")->required();
+  add_threads(replay_command, options);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -217,23 +244,15 @@ int main(int argc, char** argv) {
   check_command->add_flag("--total-error", options.total_error,
                           "also how far this mesh is from quadratic tetrahedra on it, for its gestures");
   add_solver(check_command, options, {"eigen", "cholmod"});
-  CLI::App* run_command =
-      add_scene_command(app, "run", "Play a scene: frames, pictures, report", options, action, run);
-  run_command->add_option("-o,--output", options.output, "directory for the results")->required();
-  add_threads(run_command, options);
-  run_command->add_flag("--no-pictures", options.no_pictures, "do not render pictures");
-  run_command->add_option("--record", options.record, "file to record the run in, for `replay`");
-  run_command->add_flag("--json", options.json, "print only the report");
-  CLI::App* replay_command = add_scene_command(
-      app, "replay", "Play a recording again and compare it, bit by bit", options, action, replay);
-  replay_command->add_option("RECORDING", options.record, "what `run --record` wrote")->required();
-  add_threads(replay_command, options);
+  add_run(app, options, action);
   CLI::App* solve_command =
       add_scene_command(app, "solve", "Static equilibrium of a scene", options, action, solve);
   solve_command->add_option("-o,--output", options.output, "directory for the results")->required();
   solve_command->add_flag("--json", options.json, "print only the report");
   solve_command->add_flag("--quadratic", options.quadratic, "with 10-node tetrahedra on the same mesh");
   add_solver(solve_command, options, {"eigen", "cholmod", "petsc"});
+  RestOptions rest_options;
+  add_rest(app, rest_options, action);
   CompareOptions compare_options;
   add_compare(app, compare_options, action);
   RefineOptions refine_options;

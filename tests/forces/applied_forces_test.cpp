@@ -146,6 +146,17 @@ TEST_CASE("forces and springs are recorded, and are part of a checkpoint, across
   CHECK(replay(recorded.recording(), again).same);
 }
 
+TEST_CASE("a command on applied forces that is refused leaves no trace") {
+  const Setup setup = half_linear(RegionModel::nonlinear);
+  World<double> world(setup);
+  world.advance(frame);
+  const std::string before = checkpoint_bytes(world.save());
+  CHECK_THROWS_AS(world.apply(MoveSprings{Mat3X<double>::Zero(3, 2)}), InputError);
+  CHECK_THROWS_AS(world.apply(SetForces{{{-1, Vec3d::Zero()}}}), InputError);
+  CHECK_THROWS_AS(world.apply(SetSprings{{{0, -1.0, Vec3d::Zero()}}}), InputError);
+  CHECK(checkpoint_bytes(world.save()) == before);
+}
+
 TEST_CASE(
     "forces on nothing and springs that are none are refused; what acts on a condensed interior is "
     "reported") {

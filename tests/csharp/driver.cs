@@ -90,6 +90,12 @@ static class Driver {
       Check(organ.Update(surface) && surface.Topology != topology, "a cautery changes triangles");
       Check(Array.IndexOf(surface.Cut, (byte)1) >= 0, "some triangles are cut ones");
       Check(surface.Regions.Length * 3 == surface.Indices.Length, "there is a region per triangle");
+      organ.Bring(3, "{\"type\": \"probe\", \"shape\": {\"sphere\": {\"radius\": 0.01}}, \"at\": [0, 0, 1]}");
+      organ.Advance(2);
+      Check(organ.TryGetTool(3, out hand) && hand.Force[2] == 0, "a probe far away feels nothing");
+      Check(Refused(() => organ.Bring(4, "{\"type\": \"saw\", \"at\": [0, 0, 1]}"), "a saw").Status ==
+                Status.BadInput,
+            "its status");
       organ.Restore(file);
       organ.Advance();
       Check(organ.State.Time < time + 0.02, "a restored session goes on from the saved time");

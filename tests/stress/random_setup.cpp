@@ -66,6 +66,7 @@ void choose_motion(Dice& dice, Setup& setup) {
   setup.loose_pieces = LoosePieces(dice.among(0, 2));
   setup.damping = dice.says(0.2) ? 0 : dice.between(1, 30);
   if (dice.says(0.2)) setup.cut_step = dice.says(0.5) ? 0 : 0.9;
+  if (dice.says(0.15)) setup.safety = 0.7;
   if (dice.says(0.25)) setup.selective_mass = dice.among(2, 16);
   if (dice.says(0.2)) setup.sleep = 2e-4;
   if (dice.says(0.05)) setup.integrator = Integrator::generalised_alpha;

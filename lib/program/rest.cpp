@@ -7,6 +7,7 @@
 
 #include "commands.h"
 #include "console.h"
+#include "lobe/error.h"
 #include "lobe/io/mesh_io.h"
 #include "lobe/scene/bind_groups.h"
 #include "lobe/scene/read_scene.h"
@@ -17,14 +18,19 @@ namespace {
 
 // What a scene selects by place may be other vertices of the unloaded shape.
 std::vector<std::string> differences(const Setup& loaded, const Scene& scene, const TetMesh& rest) {
-  const Setup there = resolve(scene, rest, {false}).setup;
+  const std::string remedy = "; select by labels, surfaces or numbers of vertices in its place";
+  Setup there;
+  try {
+    there = resolve(scene, rest, {false}).setup;
+  } catch (const InputError& error) {
+    return {std::string("the scene does not fit the unloaded shape: ") + error.what() + remedy};
+  }
   const auto held = [](const Setup& setup) {
     std::vector<Index> vertices;
     for (const PrescribedVertex& p : setup.prescribed) vertices.push_back(p.vertex);
     return vertices;
   };
   std::vector<std::string> found;
-  const std::string remedy = "; select by labels, surfaces or numbers of vertices in its place";
   if (held(there) != held(loaded))
     found.push_back("the scene's \"boundary\" holds other vertices of the unloaded shape" + remedy);
   if (there.material_of != loaded.material_of)

@@ -101,3 +101,19 @@ TEST_CASE("lobe refine warns where arrays are lost, and refuses what it cannot d
     CHECK(!std::filesystem::exists(folder.path / "a.vtu"));
   }
 }
+
+TEST_CASE(
+    "lobe rest writes the unloaded shape, from which the loads lead back, and says what then fits no more") {
+  const Folder folder;
+  write_scene_files(folder);
+  const TetMesh given = read_mesh(folder.path / "beam.vtu").mesh;
+  const Ended ended = lobe_in(folder, "rest scene.json -o rest.vtu --tolerance 1e-9");
+  REQUIRE_MESSAGE(ended.status == 0, ended.err);
+  const MeshFile rest = read_mesh(folder.path / "rest.vtu");
+  const Eigen::MatrixXd back = rest.mesh.points + rest.point_data.at("displacement") - given.points;
+  CHECK(back.colwise().norm().maxCoeff() <= 1e-9);
+  CHECK((rest.mesh.points - given.points).colwise().norm().maxCoeff() > 1e-5);
+  CHECK(rest.mesh.labels == given.labels);
+  CHECK(lobe_in(folder, "rest scene.json -o rest.vtk").status == 2);
+  CHECK(lobe_in(folder, "rest scene.json -o rest.vtu --tolerance 0").status == 2);
+}

@@ -143,14 +143,8 @@ void add_choice(CLI::App& app, const std::string& name, Value& value,
       help);
 }
 
-}  // namespace
-
-void declare_options(CLI::App& app, Options& o) {
-  static const std::map<std::string, Mesher> meshers{{"cgal", Mesher::cgal}, {"tetgen", Mesher::tetgen}};
-  static const std::map<std::string, Repair> levels{{"none", Repair::none},
-                                                    {"basic", Repair::basic},
-                                                    {"auto", Repair::wrap_if_needed},
-                                                    {"wrap", Repair::wrap}};
+// What is meshed, and how finely.
+void declare_body(CLI::App& app, Options& o) {
   app.add_option(
          "SURFACE", o.surfaces,
          "closed surfaces: .stl, .obj, .ply, .off or .vtp; the first is label 0, the next 1 …, one within "
@@ -183,6 +177,15 @@ void declare_options(CLI::App& app, Options& o) {
   app.add_option("--smoothing", o.mesh.smoothing,
                  "of the steps between a label image's voxels [voxels], 0: none")
       ->capture_default_str();
+}
+
+// How it is repaired and meshed, and what is told of it.
+void declare_work(CLI::App& app, Options& o) {
+  static const std::map<std::string, Mesher> meshers{{"cgal", Mesher::cgal}, {"tetgen", Mesher::tetgen}};
+  static const std::map<std::string, Repair> levels{{"none", Repair::none},
+                                                    {"basic", Repair::basic},
+                                                    {"auto", Repair::wrap_if_needed},
+                                                    {"wrap", Repair::wrap}};
   add_choice(app, "--mesher", o.mesh.mesher, meshers, "cgal (default) or tetgen (keeps creases)");
   add_choice(app, "--repair", o.repair.level, levels,
              "none, basic (default), auto (basic, and if that fails wrap) or wrap (last resort)");
@@ -207,6 +210,13 @@ void declare_options(CLI::App& app, Options& o) {
   app.add_option("--report", o.report, "file for the report (JSON)");
   app.add_flag("--json", o.json, "the report alone on standard output");
   app.add_flag("--quiet", o.quiet, "no progress on standard error");
+}
+
+}  // namespace
+
+void declare_options(CLI::App& app, Options& options) {
+  declare_body(app, options);
+  declare_work(app, options);
 }
 
 void check_options(const CLI::App& app, Options& options) {

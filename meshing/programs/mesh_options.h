@@ -18,7 +18,7 @@ struct Options {
   std::vector<std::string> label_edges, balls, sizes;
   double scale = 1;
   bool find_units = false;  // whether the scale is 0.001 for a body that is larger than an organ in metres
-  double voxels = 0;  // [m] edge of those that surfaces are turned into, 0: none
+  double voxels = 0;        // [m] edge of those that surfaces are turned into, 0: none
   bool diagnose = false, json = false, quiet = false;
   RepairOptions repair;
   MeshOptions mesh;

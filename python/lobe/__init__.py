@@ -34,6 +34,7 @@ from .programs import bench, mesh, read_table, view
 
 __all__ = [
     "Cautery", "Checkpoint", "Condition", "Difference", "GestureOutcome", "Grasp", "InputError", "Mesh",
-    "Probe", "Proposal", "Report", "Scalpel", "Scene", "Snapshot", "StaticResult", "Surface", "Transitions", "World", "__version__",
+    "Probe", "Proposal", "Report", "Scalpel", "Scene", "Snapshot", "StaticResult",
+    "Surface", "Transitions", "World", "__version__",
     "bench", "box_mesh", "compare", "mesh", "propose_regions", "read_checkpoint", "read_mesh", "read_scene", "read_table", "region_models", "run", "solve", "view",
 ]

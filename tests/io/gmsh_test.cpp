@@ -53,10 +53,9 @@ TEST_CASE("Gmsh 4.1: the label is the first physical group of the volume, parame
 }
 
 TEST_CASE("Gmsh 2.2: of a tetrahedron in two groups one is kept, with the first label") {
-  const MeshFile file =
-      read_gmsh(format22 + nodes22 +
-                "$Elements\n3\n1 4 2 5 9 10 7 3000000000 2\n2 4 2 6 9 7 10 3000000000 2\n"
-                "3 4 2 5 9 2 3000000000 7 10\n$EndElements\n");
+  const MeshFile file = read_gmsh(format22 + nodes22 +
+                                  "$Elements\n3\n1 4 2 5 9 10 7 3000000000 2\n2 4 2 6 9 7 10 3000000000 2\n"
+                                  "3 4 2 5 9 2 3000000000 7 10\n$EndElements\n");
   CHECK(file.mesh.tets == Tets(Eigen::Vector4i(0, 1, 2, 3)));
   CHECK(file.mesh.labels == std::vector<int>{5});
   REQUIRE(file.warnings().size() == 1);

@@ -9,14 +9,15 @@ USES = {
     "Grasp": [lambda t: t.move_to((0, 0, 0)), lambda t: t.release(), lambda t: t.name, lambda t: t.vertices,
               lambda t: t.position, lambda t: t.force, lambda t: t.torque],
     "Cautery": [lambda t: t.move_to((0, 0, 0)), lambda t: t.switch(True), lambda t: t.release(), lambda t: t.name],
-    "Probe": [lambda t: t.move_to((0, 0, 0)), lambda t: t.switch(True), lambda t: t.release(), lambda t: t.name,
-              lambda t: t.force, lambda t: t.torque, lambda t: t.grip],
+    "Probe": [lambda t: t.move_to((0, 0, 0)), lambda t: t.switch(True), lambda t: t.release(),
+              lambda t: t.name, lambda t: t.force, lambda t: t.torque, lambda t: t.grip],
     "Scalpel": [lambda t: t.move_to((0, 0, 0)), lambda t: t.switch(True), lambda t: t.release(), lambda t: t.name],
 }
 
 
 def all_tools(world, tip):
-    return [world.grasp(tip, name="left"), world.cautery((0, 0, 1), radius=0.01), world.scalpel((0, 0, 1), (0, 0, 2)),
+    return [world.grasp(tip, name="left"), world.cautery((0, 0, 1), radius=0.01),
+            world.scalpel((0, 0, 1), (0, 0, 2)),
             world.bring({"type": "probe", "shape": {"sphere": {"radius": 0.001}}, "at": [0, 0, 1]})]
 
 
@@ -81,8 +82,8 @@ def test_a_tool_that_was_let_go_says_so(scene, tip):
 
 def test_a_probe_presses_and_jaws_close(mesh):
     world = lobe.World(lobe.Scene(dict(conftest.BEAM, gravity=[0, 0, 0]), mesh))
-    probe = world.bring({"type": "probe", "name": "tip", "shape": {"sphere": {"radius": 0.005}}, "friction": 0.3,
-                         "at": [0.08, 0.01, 0.026]})
+    probe = world.bring({"type": "probe", "name": "tip", "shape": {"sphere": {"radius": 0.005}},
+                         "friction": 0.3, "at": [0.08, 0.01, 0.026]})
     assert isinstance(probe, lobe.Probe) and probe.name == "tip"
     world.advance(0.01)
     assert (probe.force == 0).all()
@@ -103,9 +104,11 @@ def test_a_probe_presses_and_jaws_close(mesh):
 
 def test_a_tool_that_no_scene_may_have_is_refused_by_name(scene):
     world = lobe.World(scene)
-    for tool, place in (({"type": "probe", "shape": {"sphere": {"radius": 0}}, "at": [0, 0, 1]}, "/shape/sphere/radius"),
+    for tool, place in (({"type": "probe", "shape": {"sphere": {"radius": 0}}, "at": [0, 0, 1]},
+                         "/shape/sphere/radius"),
                         ({"type": "grasp", "where": {"vertices": [0]}, "at": [0, 0, 1]}, "/type"),
-                        ({"type": "cautery", "radius": 0.01}, "/at"), ({"type": "cautery", "radius": 0.01, "at": [0]}, "/at"),
+                        ({"type": "cautery", "radius": 0.01}, "/at"),
+                        ({"type": "cautery", "radius": 0.01, "at": [0]}, "/at"),
                         ({"type": "cautery", "radius": 0.01, "at": [0, 0, 1], "path": []}, "/path"),
                         ({"type": "scalpel", "at": [0, 0, 1]}, "/at")):
         with pytest.raises(lobe.InputError) as raised:

@@ -135,8 +135,8 @@ template <class Real>
 double expected_mass(const Dynamics<Real>& body, Index v) {
   if (body.regions.follows(v)) return 0;
   const Elements& elements = body.model.elements;
-  return std::max({lumped_mass(elements, v) + body.regions.carried(v),
-                   body.inertia.floor().at(elements, v), body.regions.least_mass(v)});
+  return std::max({lumped_mass(elements, v) + body.regions.carried(v), body.inertia.floor().at(elements, v),
+                   body.regions.least_mass(v)});
 }
 
 template <class Real>

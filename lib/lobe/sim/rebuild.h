@@ -16,8 +16,7 @@ struct RebuildDifference {  // relative, largest over vertices
   double largest() const;  // infinite if boundary or regions differ
 };
 
-// Builds a new world from world.current_setup() and compares. O(building a world). Mass scaling adds other
-// masses in the new world, so compare worlds without it.
+// Builds a new world from world.current_setup() and compares. O(building a world).
 template <class Real>
 RebuildDifference compare_with_rebuilt(World<Real>& world);
 

@@ -56,8 +56,8 @@ TEST_CASE(
   std::size_t ended = 0;
   std::mt19937 random(1);
   while (ended < senders) {
+    const std::uint32_t signal = queue.signal();  // before what it tells of is looked at
     const std::vector<int> gone = queue.gone();
-    const std::uint32_t signal = queue.signal();
     bool any = false;
     while (const auto sent = queue.take()) {
       any = true;

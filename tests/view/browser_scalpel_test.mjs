@@ -1,7 +1,7 @@
 // The scalpel of the page in a headless Chromium: what is drawn over the organ opens its surface, at any
 // depth.
 // Usage: node browser_scalpel_test.mjs LOBE_VIEW SCENE MODULES OUT
-import {openPage, until} from './page_support.mjs';
+import {drag, openPage, until} from './page_support.mjs';
 
 const {page, check, shot, end} = await openPage({width: 1280, height: 720});
 check(await until(page, () => window.lobe?.frames > 2 && lobe.organ.x), 'the page opens');
@@ -33,6 +33,23 @@ const cut = () =>
     return {faces, rim};
   });
 
+// How far the lips of the cut are apart [m]: the same place at rest, twice on the skin.
+const gap = () =>
+  page.evaluate(() => {
+    const {triangles, rest, cut} = lobe.organ.topology,
+      {x} = lobe.organ,
+      places = new Map();
+    let widest = 0;
+    triangles.forEach((v, i) => {
+      if (cut[Math.floor(i / 3)]) return;
+      const key = [0, 1, 2].map(k => rest[3 * v + k].toFixed(7)).join(),
+        other = places.get(key) ?? v;
+      places.set(key, other);
+      widest = Math.max(widest, Math.hypot(...[0, 1, 2].map(k => x[3 * v + k] - x[3 * other + k])));
+    });
+    return widest;
+  });
+
 // Where on the window the organ is, as a box.
 const box = () =>
   page.evaluate(() => {
@@ -56,7 +73,9 @@ async function stroke(from, to, notches) {
   await page.mouse.move(from.x, from.y);
   await page.mouse.down();
   for (let i = 0; i < notches; ++i) await page.mouse.wheel(0, -100);
-  const hint = await page.textContent('#hint');
+  const hint = await page.textContent('#hint'),
+    gauge = await page.textContent('#depth');
+  if (notches === 4) await shot('gauge');
   for (let i = 1; i <= 12; ++i) {
     await page.mouse.move(from.x + ((to.x - from.x) * i) / 12, from.y + ((to.y - from.y) * i) / 12);
     await page.waitForTimeout(60);
@@ -64,7 +83,7 @@ async function stroke(from, to, notches) {
   await page.waitForTimeout(700);
   await page.mouse.up();
   await page.waitForTimeout(400);
-  return hint;
+  return {hint, gauge};
 }
 
 // Down over the front, where the organ comes nearer to the viewer: the middle of its right half.
@@ -83,25 +102,50 @@ for (const [name, from, length] of [
   ['from the silhouette over the front', {x, y: first + 6}, 0.45],
 ])
   for (const notches of [0, 4, 8]) {
-    const hint = await stroke(from, {x: from.x, y: from.y + length * (bottom - top)}, notches);
+    const {hint, gauge} = await stroke(from, {x: from.x, y: from.y + length * (bottom - top)}, notches);
     const {faces, rim} = await cut();
-    check(hint.startsWith(`${20 + 4 * notches} mm`), `${name}, ${notches} notches: the page says "${hint}"`);
+    const depth = `${20 + 4 * notches} mm`;
+    check(
+      hint.startsWith(depth) && gauge.trim().startsWith(depth),
+      `${name}, ${notches} notches: the page says "${hint}", and beside the pointer "${gauge.trim()}"`,
+    );
     check(
       faces > 20 && rim > 0.03,
       `and the cut opens the surface: ${faces} cut faces, with a rim of ${(1e3 * rim).toFixed(0)} mm`,
     );
     await shot(`${name.replaceAll(' ', '_')}_${notches}`);
+    const closed = await gap();
+    await page.keyboard.press('g');
+    await drag(page, {x: x + 40, y: from.y + 0.12 * (bottom - top)}, 90, 0);
+    await page.waitForTimeout(1200);
+    const open = await gap();
+    check(
+      open > closed + 2e-3,
+      `pulled beside it, it gapes: from ${(1e3 * closed).toFixed(1)} to ${(1e3 * open).toFixed(1)} mm`,
+    );
+    await shot(`${name.replaceAll(' ', '_')}_${notches}_pulled`);
+    await page.mouse.up();
   }
 
-// Pulled beside it, the cut gapes.
-await page.keyboard.press('g');
-await page.mouse.move(x + 40, first + 0.3 * (bottom - top));
-await page.mouse.down();
-for (let i = 1; i <= 8; ++i) {
-  await page.mouse.move(x + 40 + 10 * i, first + 0.3 * (bottom - top));
-  await page.waitForTimeout(60);
-}
-await page.waitForTimeout(1500);
-await shot('gaping');
-await page.mouse.up();
+
+// Before it cuts, the page shows how deep it would; keys and the slider change that.
+const place = {x, y: first + 0.4 * (bottom - top)};
+await page.keyboard.press('r');
+await page.keyboard.press('x');
+await page.mouse.move(place.x + 30, place.y);
+const depthBefore = await page.textContent('#depth');
+for (let i = 0; i < 8; ++i) await page.keyboard.press(']');
+await page.mouse.move(place.x, place.y);
+const depthAfter = await page.textContent('#depth');
+check(
+  /^20 mm\s+of \d+ mm$/.test(depthBefore.trim()) && /^40 mm/.test(depthAfter.trim()),
+  `over the organ it says "${depthBefore.trim()}", with eight presses of ] "${depthAfter.trim()}"`,
+);
+await page.locator('#tool-size input').fill('16');
+await page.mouse.move(place.x + 30, place.y);
+check(
+  /^8\d mm\s+cuts through$/.test((await page.textContent('#depth')).trim()),
+  'and where it is deeper than the organ is thick, that it cuts through',
+);
+await shot('through');
 await end();

@@ -1,22 +1,21 @@
 // What mouse, pen or finger do on the canvas: left on the organ acts, anything else moves the camera.
 import * as THREE from './third_party/three-0.187.0/three.module.js';
+import {Blade} from './scalpel.js';
 
-const grasp = {kind: 'grasp', radius: 0.012},
-  cauteryRadius = 0.0055, // [m]
-  // Of a blade: how deep its tip begins below the surface, how deep at least; by what the heel is outside;
-  // how much deeper the surface may be than a moment before, at least, and of the way aside [m, 1].
-  blade = {depth: 0.02, least: 0.002, outside: 0.02, step: 0.003, slope: 1.5},
-  probe = {radius: 0.01, press: 0.006}, // of its tip; how far that is pressed in [m]
-  // Width, thickness and length of each; how far they are apart, how far they reach behind the point that was
-  // clicked, from how far they come, and from how near to where they are led they close [m].
-  jaws = {size: [0.03, 0.014, 0.05], opening: 0.1, depth: 0.035, from: 0.05, there: 0.003},
+// Of jaws, in openings: width, thickness and length of each, how far they reach behind the point that was
+// clicked, from how far they come, and from how near to where they are led they close.
+const jaws = {size: [0.3, 0.14, 0.5], depth: 0.35, from: 0.5, there: 0.03},
+  press = 0.6, // how far a probe is pressed in, of its radius
   betweenPoses = 7; // [ms]
 
 export class Hands {
-  constructor(stage, organ, ask) {
+  /** @param {ToolSizes} sizes (tool_sizes.js) @param {DepthGauge} gauge (depth_gauge.js) */
+  constructor(stage, organ, ask, sizes, gauge) {
     this.stage = stage;
     this.organ = organ;
     this.ask = ask;
+    this.sizes = sizes;
+    this.gauge = gauge;
     this.kind = 'grasp';
     this.may = false; // this page controls
     this.held = new Map(); // hands that were left where they are: number → {kind, point}
@@ -25,7 +24,7 @@ export class Hands {
     this.cameraDoes = 'turn'; // or 'shift'; two of them zoom and shift
     this.last = new Map(); // where each pointer was
     this.onFirst = () => {};
-    this.onDepth = () => {}; // told how deep a blade is below the surface [m]; null: there is none any more
+    this.onBlade = () => {}; // told of a blade that cuts (scalpel.js); null: there is none any more
     this.brush = null; // of the editor: {paint(point), end()}
     const canvas = stage.canvas;
     canvas.addEventListener('pointerdown', event => this.down(event));
@@ -40,6 +39,7 @@ export class Hands {
     canvas.addEventListener('contextmenu', event => event.preventDefault());
     canvas.addEventListener('dblclick', () => this.releaseHeld());
     canvas.addEventListener('wheel', event => this.wheel(event), {passive: false});
+    canvas.addEventListener('pointerleave', () => this.showNothing());
     this.ring = makeRing();
     stage.scene.add(this.ring);
   }
@@ -47,6 +47,8 @@ export class Hands {
   setKind(kind) {
     this.letGo();
     this.kind = kind;
+    this.sizes.setKind(kind);
+    this.gauge.hide();
     this.ring.visible = false;
     this.stage.canvas.classList.toggle('cautery', kind === 'cautery' || kind === 'scalpel');
     this.stage.canvas.classList.toggle('paint', kind === 'paint');
@@ -58,18 +60,11 @@ export class Hands {
     return this.actives.values().next().value ?? null;
   }
 
+  /** The radius of the ring [m]. */
   reach() {
-    return this.kind === 'cautery'
-      ? cauteryRadius
-      : this.kind === 'paint'
-        ? this.brush.radius()
-        : this.kind === 'scalpel'
-          ? 0.004
-          : this.kind === 'probe'
-            ? probe.radius
-            : this.kind === 'jaws'
-              ? jaws.opening / 2
-              : grasp.radius;
+    if (this.kind === 'paint') return this.brush.radius();
+    if (this.kind === 'scalpel') return 0.03 * this.stage.size;
+    return this.sizes.of(this.kind) * (this.kind === 'jaws' ? 0.5 : 1);
   }
 
   down(event) {
@@ -102,57 +97,38 @@ export class Hands {
     if (this.kind === 'scalpel') this.bringBlade(active, hit);
     else if (this.kind === 'probe') this.bringProbe(active, hit);
     else if (this.kind === 'jaws') this.bringJaws(active, hit);
-    else if (this.kind === 'cautery') this.ask({do: 'burn', hand, at: hit.point.toArray(), radius: cauteryRadius});
+    else if (this.kind === 'cautery')
+      this.ask({do: 'burn', hand, at: hit.point.toArray(), radius: this.sizes.of('cautery')});
     else
       this.ask({
         do: 'take',
         hand,
         from: ray.origin.toArray(),
         along: ray.direction.toArray(),
-        radius: grasp.radius,
+        radius: this.sizes.of('grasp'),
       });
   }
 
-  // It points away from the viewer. It is longer than the body is deep, so that its heel is outside wherever
-  // its tip is, and the cut is open to the viewer.
   bringBlade(active, hit) {
-    const forward = this.stage.forward(),
-      length = Math.min(0.99, this.organ.extent(forward) + blade.outside);
-    Object.assign(active, {forward, surface: hit.point.clone(), depth: blade.depth, deepest: length});
-    this.setDepth(active, 0);
-    const heel = active.point.clone().addScaledVector(forward, -length);
-    this.ask({do: 'cut', hand: active.hand, tip: active.point.toArray(), heel: heel.toArray()});
+    const blade = new Blade(this.stage, this.organ, hit, this.sizes.of('scalpel'));
+    Object.assign(active, {blade, point: blade.tip});
+    this.showBlade(active);
+    this.ask({do: 'cut', hand: active.hand, tip: blade.tip.toArray(), heel: blade.heel.toArray()});
   }
 
-  /** The tip of a blade is deeper by so much [m] below the surface where it is. */
-  setDepth(active, deeper) {
-    const {forward, surface, deepest} = active;
-    active.depth = Math.max(blade.least, Math.min(deepest - blade.outside, active.depth + deeper));
-    active.point.copy(surface).addScaledVector(forward, active.depth);
-    this.onDepth(active.depth);
-  }
-
-  // It follows the surface under the pointer; where that is none, or falls off, as in a cut that gapes, it
-  // stays as far from the viewer.
-  slide(active, event, dx, dy) {
-    const {surface, forward} = active,
-      scale = this.stage.metresPerPixel(surface),
-      hit = this.organ.hit(this.stage.ray(event.offsetX, event.offsetY));
-    surface
-      .addScaledVector(this.stage.right(), dx * scale)
-      .addScaledVector(this.stage.above(), -dy * scale);
-    const falls = hit ? hit.point.clone().sub(surface).dot(forward) : Infinity;
-    if (falls < Math.max(blade.step, blade.slope * Math.hypot(dx, dy) * scale)) surface.copy(hit.point);
-    this.setDepth(active, 0);
+  showBlade({blade}) {
+    const at = this.stage.project(blade.surface);
+    if (at) this.gauge.show(at.x, at.y, blade.depth, blade.thickness);
+    this.onBlade(blade);
   }
 
   // It comes from the viewer's side, and is pressed in by a little.
   bringProbe(active, hit) {
     const forward = this.stage.forward(),
-      {radius, press} = probe;
+      radius = this.sizes.of('probe');
     const outside = hit.point.clone().addScaledVector(forward, -1.5 * radius);
     this.ask({do: 'touch', hand: active.hand, at: outside.toArray(), radius});
-    active.point.addScaledVector(forward, press - radius);
+    active.point.addScaledVector(forward, (press - 1) * radius);
     this.lead(active);
   }
 
@@ -161,26 +137,28 @@ export class Hands {
     this.showRing(null, null);
     const forward = this.stage.forward(),
       above = this.stage.above(),
+      opening = this.sizes.of('jaws'),
       axes = new THREE.Matrix4().makeBasis(new THREE.Vector3().crossVectors(above, forward), above, forward);
-    active.point.copy(hit.point).addScaledVector(forward, jaws.depth - jaws.size[2]);
+    active.point.copy(hit.point).addScaledVector(forward, (jaws.depth - jaws.size[2]) * opening);
     this.ask({
       do: 'jaws',
       hand: active.hand,
-      at: active.point.clone().addScaledVector(forward, -jaws.from).toArray(),
+      at: active.point.clone().addScaledVector(forward, -jaws.from * opening).toArray(),
       orientation: new THREE.Quaternion().setFromRotationMatrix(axes).toArray(),
-      size: jaws.size,
-      opening: jaws.opening,
+      size: jaws.size.map(side => side * opening),
+      opening,
     });
+    active.there = jaws.there * opening;
     this.lead(active);
   }
 
   /** Jaws close where they have been led to. */
   follow(tools) {
     for (const active of this.actives.values()) {
-      const {kind, hand, point, closes} = active;
+      const {kind, hand, point, closes, there} = active;
       if (kind !== 'jaws' || closes) continue;
       const tool = tools.find(tool => tool.hand === hand && tool.jaw);
-      if (!tool || point.distanceTo(new THREE.Vector3(...tool.position)) > jaws.there) continue;
+      if (!tool || point.distanceTo(new THREE.Vector3(...tool.position)) > there) continue;
       active.closes = true;
       this.ask({do: 'close', hand, on: true});
     }
@@ -245,7 +223,8 @@ export class Hands {
       active.point.copy(hit.point);
     } else if (kind === 'scalpel') {
       this.showRing(null, null);
-      this.slide(active, event, dx, dy);
+      active.blade.slide(this.organ.hit(this.stage.ray(event.offsetX, event.offsetY)), dx, dy);
+      this.showBlade(active);
     } else {
       this.showRing(null, null);
       const scale = this.stage.metresPerPixel(active.point);
@@ -276,8 +255,12 @@ export class Hands {
     const notches = event.deltaY / (event.deltaMode === 1 ? 3 : 100);
     const {active} = this;
     if (!active?.point) return this.stage.zoom(1.12 ** notches);
-    if (active.kind === 'scalpel') this.setDepth(active, -0.004 * notches);
-    else active.point.addScaledVector(this.stage.forward(), -0.004 * notches);
+    if (active.blade) {
+      active.blade.turnWheel(notches);
+      this.showBlade(active);
+    } else {
+      active.point.addScaledVector(this.stage.forward(), -0.03 * this.stage.size * notches);
+    }
     this.lead(active, event.timeStamp);
   }
 
@@ -311,7 +294,10 @@ export class Hands {
   end(pointer) {
     const {kind, hand, point} = this.actives.get(pointer);
     if (point) this.ask({do: 'let_go', hand});
-    if (kind === 'scalpel') this.onDepth(null);
+    if (kind === 'scalpel') {
+      this.gauge.hide();
+      this.onBlade(null);
+    }
     this.actives.delete(pointer);
     this.showHolding();
   }
@@ -335,6 +321,7 @@ export class Hands {
     this.held.clear();
     this.actives.clear();
     this.camera.clear();
+    this.gauge.hide();
     this.showHolding();
   }
 
@@ -342,6 +329,21 @@ export class Hands {
     const hit = this.may ? this.organ.hit(this.stage.ray(event.offsetX, event.offsetY)) : null;
     this.stage.canvas.classList.toggle('away', !hit && this.kind === 'grasp');
     this.showRing(hit?.point, hit);
+    if (this.kind !== 'scalpel') return;
+    const forward = this.stage.forward();
+    if (!hit) return this.gauge.hide();
+    this.gauge.show(
+      event.offsetX,
+      event.offsetY,
+      this.sizes.of('scalpel'),
+      this.organ.thickness(hit.point, forward),
+    );
+  }
+
+  showNothing() {
+    if (this.actives.size > 0) return;
+    this.showRing(null, null);
+    this.gauge.hide();
   }
 
   showRing(point, hit) {
@@ -349,7 +351,7 @@ export class Hands {
     if (!visible && !this.ring.visible) return;
     this.ring.visible = visible;
     if (visible) {
-      this.ring.position.copy(point).addScaledVector(this.stage.forward(), -0.004);
+      this.ring.position.copy(point).addScaledVector(this.stage.forward(), -0.03 * this.stage.size);
       this.ring.quaternion.copy(this.stage.camera.quaternion);
       this.ring.scale.setScalar(this.reach());
     }

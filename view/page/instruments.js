@@ -8,6 +8,14 @@ const metal = (color, options) => ({
 });
 const steel = metal(0xc9d2d6, {metalness: 0.9, roughness: 0.28});
 const dark = metal(0x56636a, {metalness: 0.25, roughness: 0.5});
+// Of a blade, so much is seen through the tissue that it is in.
+const seenThrough = new THREE.MeshBasicMaterial({
+  color: 0xe8f0f2,
+  depthTest: false,
+  transparent: true,
+  opacity: 0.3,
+  toneMapped: false,
+});
 const arrowMaterial = new THREE.MeshBasicMaterial({
   color: 0xffc46b,
   depthTest: false,
@@ -214,7 +222,11 @@ function scalpel(length, surgeon) {
     shaftOf(0.06 * length, -0.05 * length, 0.6 * length, steel),
     shaftOf(0.09 * length, 0.6 * length, 6 * length, dark),
   );
-  group.add(edge, handle);
+  const ghost = new THREE.Mesh(edge.geometry, seenThrough);
+  ghost.position.copy(edge.position);
+  ghost.rotation.copy(edge.rotation);
+  ghost.renderOrder = 9;
+  group.add(edge, ghost, handle);
   return group;
 }
 

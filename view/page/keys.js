@@ -33,6 +33,8 @@ export function listenToKeys(page) {
     arrowright: arrow(-turn, 0),
     arrowup: arrow(0, turn),
     arrowdown: arrow(0, -turn),
+    '[': () => page.sizes.change(-1),
+    ']': () => page.sizes.change(1),
     '+': () => stage.zoom(1 / nearer),
     '-': () => stage.zoom(nearer),
     escape: () => {
@@ -46,7 +48,7 @@ export function listenToKeys(page) {
     const isPressed = event.target.closest?.('#dock button, #banner button, .check');
     if (event.detail > 0 && isPressed) stage.canvas.focus();
   });
-  const mayRepeat = /^(\.|\+|-|arrow.*)$/;
+  const mayRepeat = /^(\.|\+|-|\[|\]|arrow.*)$/;
   addEventListener('keydown', event => {
     const key = event.key.toLowerCase(),
       {target} = event;

@@ -8,11 +8,13 @@ import {Instruments} from './instruments.js';
 import {Obstacles} from './obstacles.js';
 import {Organ} from './organ.js';
 import {hideOverlay, overlayIsShown, showHelp, showNoGraphics, showRefused} from './overlay.js';
+import {DepthGauge} from './depth_gauge.js';
 import {showHaptic} from './haptic.js';
 import {Plot} from './plots.js';
 import {graphics, Stage} from './stage.js';
 import {listenToKeys} from './keys.js';
 import {Messages} from './messages.js';
+import {inMillimetres, ToolSizes} from './tool_sizes.js';
 
 const element = id => document.getElementById(id);
 
@@ -23,7 +25,8 @@ class Page {
     this.instruments = new Instruments(this.stage, element('labels'));
     this.obstacles = new Obstacles(this.stage);
     this.ask = (request, since) => this.connection.ask(request, since);
-    this.hands = new Hands(this.stage, this.organ, this.ask);
+    this.sizes = new ToolSizes(element('tool-size'));
+    this.hands = new Hands(this.stage, this.organ, this.ask, this.sizes, new DepthGauge(element('depth')));
     this.editor = new Editor(this.ask);
     this.hands.brush = this.editor;
     this.editor.onBrush = quantity => this.mode === 'edit' && this.colour(quantity);
@@ -134,6 +137,7 @@ class Page {
     const first = !this.organ.topology;
     if (first) {
       this.stage.lookAt(topology.rest);
+      this.sizes.fit(this.stage.size);
       this.hint('Drag the organ to pull it');
     }
     this.organ.x = this.organ.served = null;
@@ -344,8 +348,8 @@ class Page {
     element('skin').onchange = () => this.wantSkin();
     element('mesh').onchange = () => this.organ.setShowsMesh(element('mesh').checked);
     this.hands.onFirst = () => this.hint('');
-    this.hands.onDepth = depth =>
-      this.hint(depth === null ? '' : `${Math.round(1e3 * depth)} mm deep; the wheel changes it`);
+    this.hands.onBlade = blade =>
+      this.hint(blade ? `${inMillimetres(blade.depth)} deep; the wheel changes it` : '');
     this.take('grasp');
     listenToKeys(this);
   }

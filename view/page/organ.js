@@ -366,6 +366,16 @@ export class Organ {
     return first ? {point: first.point, distance: first.distance, face: first.face} : null;
   }
 
+  /** How thick the organ is behind a point of its surface, along a direction [m]; 0: nothing is there. */
+  thickness(/** @type {THREE.Vector3} */ point, /** @type {THREE.Vector3} */ direction) {
+    const reach = this.extent(direction),
+      behind = point.clone().addScaledVector(direction, reach),
+      caster = new THREE.Raycaster(behind, direction.clone().negate());
+    // Seen from behind, the nearest side is the last one before the point.
+    const sides = caster.intersectObject(this.mesh, false).map(({distance}) => reach - distance);
+    return sides.findLast(side => side > 1e-3 * this.stage.size) ?? 0;
+  }
+
   /** How far the body reaches along a direction [m]. */
   extent(/** @type {THREE.Vector3} */ direction) {
     const {array} = this.position;

@@ -32,6 +32,7 @@ Json array(const Eigen::Vector4d& q) { return {q[0], q[1], q[2], q[3]}; }
 
 SessionOptions session_options(const LiveOptions& options) {
   SessionOptions result;
+  result.back_memory = 256u << 20;  // [bytes]; for undoing what was done minutes ago
   result.frame = options.frame;
   result.speed = options.speed;
   result.threads = options.threads;

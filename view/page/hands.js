@@ -23,7 +23,7 @@ export class Hands {
     this.camera = new Set(); // pointers that move the camera
     this.cameraDoes = 'turn'; // or 'shift'; two of them zoom and shift
     this.last = new Map(); // where each pointer was
-    this.onFirst = () => {};
+    this.onAct = () => {}; // told which instrument begins
     this.onBlade = () => {}; // told of a blade that cuts (scalpel.js); null: there is none any more
     this.brush = null; // of the editor: {paint(point), end()}
     const canvas = stage.canvas;
@@ -84,7 +84,7 @@ export class Hands {
   }
 
   begin(pointer, hit, ray) {
-    this.onFirst();
+    this.onAct(this.kind);
     if (this.kind === 'paint') {
       this.actives.set(pointer, {kind: 'paint'});
       return this.brush.paint(this.organ.restOf(hit));

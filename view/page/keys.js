@@ -48,12 +48,19 @@ export function listenToKeys(page) {
     const isPressed = event.target.closest?.('#dock button, #banner button, .check');
     if (event.detail > 0 && isPressed) stage.canvas.focus();
   });
+  const undo = event => {
+    event.preventDefault();
+    press(page.mode === 'edit' ? 'undo' : 'undo-act')();
+  };
   const mayRepeat = /^(\.|\+|-|\[|\]|arrow.*)$/;
   addEventListener('keydown', event => {
     const key = event.key.toLowerCase(),
       {target} = event;
+    if (target.matches?.('select, textarea, input:not([type=checkbox], [type=range])')) return;
+    const asksToUndo = (event.ctrlKey || event.metaKey) && !event.shiftKey && key === 'z';
+    if (asksToUndo) return undo(event);
     if (event.ctrlKey || event.metaKey || event.altKey) return;
-    if (target.matches?.('select, textarea, input:not([type=checkbox])')) return;
+    if (target.matches?.('input[type=range]') && /^(arrow|page|home|end)/.test(key)) return;
     if (key === ' ' && target.matches?.('button, summary, input')) return; // which it presses
     const act = actions[key];
     if (!act || (event.repeat && !mayRepeat.test(key))) return;

@@ -8,6 +8,7 @@ import {Instruments} from './instruments.js';
 import {Obstacles} from './obstacles.js';
 import {Organ} from './organ.js';
 import {hideOverlay, overlayIsShown, showHelp, showNoGraphics, showRefused} from './overlay.js';
+import {History} from './history.js';
 import {DepthGauge} from './depth_gauge.js';
 import {showHaptic} from './haptic.js';
 import {Plot} from './plots.js';
@@ -44,6 +45,11 @@ class Page {
       ],
       3,
     );
+    this.history = new History(element('history'), seconds => this.goBack(seconds));
+    this.history.onChange = () => {
+      element('undo-act').disabled = this.history.acts.length === 0;
+    };
+    this.history.onChange();
     this.video = new Video(element('stage'), (on, why) => {
       element('video').classList.toggle('on', on);
       if (why) this.messages.add(why, 'warn');
@@ -165,6 +171,7 @@ class Page {
     if (status.run !== this.run) this.beginAnew(status.run);
     this.messages.take(status.messages ?? []);
     if (status.mode === 'live') {
+      this.history.take(status.time);
       this.forcePlot.pause = this.energyPlot.pause = 1.5 * this.stage.betweenFigures();
       const felt = status.haptic?.force;
       this.forcePlot.add(status.time, [this.force, felt ? Math.hypot(...felt) : null]);
@@ -206,6 +213,7 @@ class Page {
     element('slow').textContent = `${status.speed}×`;
     element('slow').classList.toggle('on', status.speed !== 1);
     element('back').disabled = !(status.can_go_back > 0);
+    this.history.place();
   }
 
   showQuality() {
@@ -258,6 +266,7 @@ class Page {
         'lasting',
       );
     this.run = run;
+    this.history.forget(0);
   }
 
   hear(event) {
@@ -334,7 +343,8 @@ class Page {
     click('tool-paint', () => this.take('paint'));
     click('pause', () => this.ask({do: 'pause', on: this.status.running}));
     click('single', () => this.ask({do: 'step'}));
-    click('back', () => this.ask({do: 'back', seconds: 1}));
+    click('back', () => this.goBack(1));
+    click('undo-act', () => this.history.undo() || this.messages.add('Nothing was done yet.'));
     click('restart', () => {
       this.hands.forget();
       this.ask({do: 'restart'});
@@ -347,11 +357,19 @@ class Page {
     element('colour').onchange = () => this.colour(element('colour').value);
     element('skin').onchange = () => this.wantSkin();
     element('mesh').onchange = () => this.organ.setShowsMesh(element('mesh').checked);
-    this.hands.onFirst = () => this.hint('');
+    this.hands.onAct = kind => {
+      this.hint('');
+      if (kind !== 'paint') this.history.begin(kind);
+    };
     this.hands.onBlade = blade =>
       this.hint(blade ? `${inMillimetres(blade.depth)} deep; the wheel changes it` : '');
     this.take('grasp');
     listenToKeys(this);
+  }
+
+  goBack(seconds) {
+    this.hands.forget();
+    this.ask({do: 'back', seconds});
   }
 
   wantSkin() {
@@ -389,7 +407,7 @@ class Page {
     this.editor.note('');
     element('pause').parentElement.style.display = edits ? 'none' : '';
     for (const plot of document.querySelectorAll('.plot')) plot.hidden = edits;
-    element('export').hidden = edits;
+    element('export').hidden = element('history').hidden = edits;
   }
 
   wantedScalar() {

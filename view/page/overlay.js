@@ -25,7 +25,8 @@ export function showHelp() {
     ['G · C · X · P · J · E', 'grasp · cautery · scalpel · probe · jaws · paint regions'],
     ['[ · ]', 'smaller · larger instrument; for the scalpel: the depth at which it begins'],
     ['Space · . · S', 'pause · one frame · slow motion'],
-    ['B · R', 'back by a second · restart'],
+    ['Ctrl Z · B · R', 'undo: back to before the last act · back by a second · restart'],
+    ['Marks at the bottom', 'what was done so far: click to go back to before it'],
     ['M · K · F · I · V', 'mesh · skin · fibres · image · video'],
   ];
   show(

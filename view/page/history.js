@@ -1,0 +1,74 @@
+// What the hands did, as marks on a bar of the simulated time, and the way back to before each of them. The
+// simulation keeps a state every half second; it goes back to the last one before the act.
+const words = {
+  grasp: 'Pull',
+  cautery: 'Burn',
+  scalpel: 'Cut',
+  probe: 'Press',
+  jaws: 'Grip',
+};
+const margin = 0.1; // the simulation is ahead of what the page has heard, by about that [s]
+
+export class History {
+  /** @param {HTMLElement} bar @param {(seconds: number) => void} goBack by so much simulated time */
+  constructor(bar, goBack) {
+    this.bar = bar;
+    this.goBack = goBack;
+    this.acts = []; // {kind, time, mark}, the newest at the end
+    this.time = 0; // of the simulation, as last heard [s]
+    this.onChange = () => {}; // of the acts
+    this.wanted = null; // to be gone back to [s]
+    bar.onclick = event => {
+      if (event.target !== bar) return;
+      this.to((this.time * event.offsetX) / bar.clientWidth);
+    };
+  }
+
+  /** A hand has begun something. */
+  begin(kind) {
+    const mark = document.createElement('button'),
+      act = {kind, time: this.time, mark},
+      what = `${words[kind]} at ${this.time.toFixed(1)} s: go back to before it`;
+    Object.assign(mark, {className: kind, title: what, ariaLabel: what, onclick: () => this.to(act.time)});
+    this.acts.push(act);
+    this.bar.append(mark);
+    this.place();
+    this.onChange();
+  }
+
+  /** Back to before the last act. @returns {boolean} whether there was one */
+  undo() {
+    const last = this.acts.at(-1);
+    if (last) this.to(last.time);
+    return Boolean(last);
+  }
+
+  to(time) {
+    this.wanted = time;
+    this.goBack(Math.max(0, this.time - time) + margin);
+  }
+
+  /** The simulation is at this time [s]. What it has gone back over is forgotten. */
+  take(time) {
+    const before = this.time;
+    this.time = time;
+    if (time < before) {
+      this.forget(Math.min(time, this.wanted ?? time));
+      // It was further ahead than thought.
+      if (this.wanted !== null && time > this.wanted) return this.goBack(time - this.wanted + margin);
+      this.wanted = null;
+    }
+  }
+
+  forget(from) {
+    for (const {mark} of this.acts.filter(act => act.time >= from)) mark.remove();
+    this.acts = this.acts.filter(act => act.time < from);
+    this.onChange();
+  }
+
+  /** Some times a second: the marks lie where their time is. */
+  place() {
+    for (const {mark, time} of this.acts)
+      mark.style.left = `${this.time > 0 ? ((100 * time) / this.time).toFixed(2) : 0}%`;
+  }
+}

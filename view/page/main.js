@@ -75,13 +75,17 @@ class Page {
   /** The organ lies between the panels; where there is none at the side, messages are above it. */
   leaveRoom() {
     const {offsetTop: top} = element('side'),
-      right = element('panel').offsetWidth,
-      dock = element('dock');
+      isSmall = matchMedia('(max-width: 900px)').matches, // as in style.css
+      right = isSmall ? 0 : element('panel').offsetWidth,
+      editor = element('editor'),
+      isBelow = editor.offsetWidth > 0.6 * innerWidth,
+      dock = innerHeight - element('dock').offsetTop;
+    document.body.style.setProperty('--dock', `${dock}px`);
     this.stage.setMargins({
-      left: element('editor').offsetWidth,
+      left: isBelow ? 0 : editor.offsetWidth,
       right,
-      top: right > 0 ? top : top + Number.parseFloat(getComputedStyle(element('messages')).maxHeight),
-      bottom: innerHeight - dock.offsetTop,
+      top: isSmall ? top + Number.parseFloat(getComputedStyle(element('messages')).maxHeight) : top,
+      bottom: isBelow ? innerHeight - editor.offsetTop : dock,
     });
   }
 
@@ -234,7 +238,7 @@ class Page {
     if (this.mayAct === status.controls) return;
     this.mayAct = status.controls; // as its buttons show
     for (const button of document.querySelectorAll('#dock button, #editor button'))
-      if (!['picture', 'video', 'help-button'].includes(button.id)) {
+      if (!['picture', 'video', 'panel-button', 'help-button'].includes(button.id)) {
         button.toggleAttribute('data-foreign', !status.controls);
         button.setAttribute('aria-disabled', String(!status.controls));
       }
@@ -354,6 +358,7 @@ class Page {
     click('video', () => this.video.toggle());
     click('export', () => this.ask({do: 'export', to: `hands_${stamp()}`}));
     click('help-button', () => (overlayIsShown() ? hideOverlay() : showHelp()));
+    click('panel-button', () => this.openPanel(!document.body.classList.contains('panel-open')));
     element('colour').onchange = () => this.colour(element('colour').value);
     element('skin').onchange = () => this.wantSkin();
     element('mesh').onchange = () => this.organ.setShowsMesh(element('mesh').checked);
@@ -365,6 +370,13 @@ class Page {
       this.hint(blade ? `${inMillimetres(blade.depth)} deep; the wheel changes it` : '');
     this.take('grasp');
     listenToKeys(this);
+  }
+
+  /** In a small window, where it covers the organ. */
+  openPanel(on) {
+    document.body.classList.toggle('panel-open', on);
+    element('panel-button').classList.toggle('on', on);
+    element('panel-button').ariaExpanded = String(on);
   }
 
   goBack(seconds) {
@@ -399,7 +411,6 @@ class Page {
     if (edits) this.organ.leaveSkin();
     else if (element('skin').checked) this.wantSkin();
     element('editor').hidden = !edits;
-    this.leaveRoom();
     this.colour(edits ? this.editor.shows() : 'tissue');
     this.instruments.update([]);
     this.take(edits ? 'paint' : 'grasp');
@@ -408,6 +419,7 @@ class Page {
     element('pause').parentElement.style.display = edits ? 'none' : '';
     for (const plot of document.querySelectorAll('.plot')) plot.hidden = edits;
     element('export').hidden = element('history').hidden = edits;
+    this.leaveRoom();
   }
 
   wantedScalar() {

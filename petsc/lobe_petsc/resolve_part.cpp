@@ -241,6 +241,9 @@ class PartResolver {
     for (std::size_t i = 0; i < scene_.boundary.size(); ++i) {
       Boundary entry = scene_.boundary[i];
       const std::string place = "/boundary/" + std::to_string(i) + "/where";
+      if (entry.kind == Boundary::Kind::pressure)
+        throw InputError("/boundary/" + std::to_string(i),
+                         "lobe-petsc knows no pressure that turns with the body");
       if (entry.kind == Boundary::Kind::traction) {
         const std::vector<TetFace> faces = selection_.faces(entry.where, place);
         expect_some(ranks_.sum(std::int64_t(faces.size())), "boundary face", place);

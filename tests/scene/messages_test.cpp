@@ -181,9 +181,9 @@ TEST_CASE("regions name a model") {
 TEST_CASE("a boundary entry is one condition and where it acts") {
   check({
       {R"({"boundary": [{"where": {"all": true}}]})",
-       "/boundary/0: needs exactly one of \"fix\", \"displacement\", \"traction\" or \"force\""},
+       "/boundary/0: needs exactly one of \"fix\", \"displacement\", \"traction\", \"force\" or \"pressure\""},
       {R"({"boundary": [{"fix": true, "force": [0, 0, 1], "where": {"all": true}}]})",
-       "/boundary/0: needs exactly one of \"fix\", \"displacement\", \"traction\" or \"force\", has 2"},
+       "/boundary/0: needs exactly one of \"fix\", \"displacement\", \"traction\", \"force\" or \"pressure\", has 2"},
       {R"({"boundary": [{"fix": true}]})", "/boundary/0: needs \"where\""},
       {R"({"boundary": [{"fix": false, "where": {"all": true}}]})", "/boundary/0/fix: false, must be true"},
       {R"({"boundary": [{"force": [0, 1], "where": {"all": true}}]})",
@@ -201,7 +201,7 @@ TEST_CASE("a selector is one of eleven, with sensible values") {
   const std::string here = "/regions/0/where";
   const std::string one =
       ": needs exactly one of \"all\", \"all_of\", \"any_of\", \"box\", \"label\", \"nearest\", "
-      "\"not\", \"plane\", \"sphere\", \"surface\", \"tetrahedra\" or \"vertices\"";
+      "\"not\", \"patch\", \"plane\", \"sphere\", \"surface\", \"tetrahedra\" or \"vertices\"";
   CHECK(region("{}") == here + one);
   CHECK(region(R"({"all": true, "label": 1})") == here + one + ", has 2");
   CHECK(region("true") == here + ": true, must be an object");

@@ -158,6 +158,18 @@ TEST_CASE("indices beyond the mesh are refused with their place, once") {
         "/tools/0/where/vertices/0: 20, must be from 0 to 19: the mesh has 20 vertices");
 }
 
+TEST_CASE("pressure is refused in a precomputed region, and with the implicit integrator") {
+  const std::string pressed = R"("boundary": [)" + clamp + R"(, {"pressure": 10, "where": )" + end_face + "}]";
+  const std::string left = R"("where": {"box": {"min": [-1, -1, -1], "max": [0.25, 1, 1]}})";
+  CHECK(resolved("{" + pressed + "}").setup.pressures.size() == 2);
+  CHECK(resolved("{" + pressed + R"(, "regions": [{"model": "precomputed", )" + left + "}]}").warnings.empty());
+  CHECK(faults("{" + pressed + R"(, "regions": [{"model": "precomputed"}]})") ==
+        "/boundary/1: 2 faces under pressure are in a precomputed region, whose inside bears no load that "
+        "follows it: make that part tensor-mass or nonlinear");
+  CHECK(faults("{" + pressed + R"(, "time": {"integrator": "implicit"}})").starts_with(
+      "/boundary/1/pressure: a probe, a pressure, a force term or springs does not go with"));
+}
+
 TEST_CASE("a precomputed region must be held, and explicit") {
   const std::string near = R"("where": {"box": {"min": [-1, -1, -1], "max": [0.19, 1, 1]}})";
   CHECK(resolved(R"({"regions": [{"model": "precomputed", )" + near + "}]}").warnings.empty());

@@ -200,3 +200,13 @@ TEST_CASE("names of surfaces and labels that the file does not have are refused,
   CHECK(std::get<SelectLabel>(parts[1].value).names == std::vector<std::string>{"stiff"});
   CHECK(std::get<SelectLabel>(parts[1].value).labels == std::vector<int>{2});
 }
+
+TEST_CASE("a patch is the part of the boundary that turns little from the face nearest to a point") {
+  const Selector end = {SelectPatch{{4.5, 1, 1}, 40}}, all = {SelectPatch{{4.5, 1, 1}, 90}};
+  CHECK(faces(end) == 2 * 2 * 2);
+  CHECK(vertices(end) == 3 * 3);
+  CHECK(faces(all) == outer_faces(mesh).size());
+  CHECK(faces({SelectAnyOf{{end, {SelectPatch{{2, -1, 1}, 40}}}}}) == 2 * 2 * 2 + 2 * 4 * 2);
+  CHECK(faces({SelectAllOf{{end, {SelectBox{{4, 0, 0}, {4, 1, 2}}}}}}) == 2 * 2);
+  CHECK(tets(end) == 2 * 2 * 2);
+}

@@ -23,6 +23,7 @@ void scale(Setup& setup, double fraction) {
   for (PrescribedVertex& p : setup.prescribed) p.displacement *= fraction;
   for (FaceLoad& load : setup.face_loads) load.traction *= fraction;
   for (VertexLoad& load : setup.vertex_loads) load.force *= fraction;
+  for (FacePressure& load : setup.pressures) load.pressure *= fraction;
   setup.gravity *= fraction;
 }
 

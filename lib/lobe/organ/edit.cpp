@@ -5,6 +5,7 @@
 #include "lobe/assert.h"
 #include "lobe/condense/supports.h"
 #include "lobe/error.h"
+#include "lobe/forces/pressure.h"
 #include "lobe/organ/hinges.h"
 #include "lobe/organ/organ.h"
 #include "lobe/sort_unique.h"
@@ -57,6 +58,18 @@ std::vector<FaceLoad> loads_of_parts(const std::vector<FaceLoad>& loads, const D
     for (Index t = load.tet; t < topology.tet_count(); t = std::max(t + 1, first_copy(topology)))
       if (topology.parent(t) == load.tet && c.tet_target[t] >= 0)
         found.push_back({c.tet_target[t], load.face, load.traction, now.weights(t, load)});
+  return found;
+}
+
+// What presses on faces of tetrahedra that are left, and of their copies.
+template <class Real>
+std::vector<FacePressure> pressures_now(const Dynamics<Real>& body, const CompactMesh& c) {
+  std::vector<FacePressure> found;
+  for (const auto& term : body.terms)
+    if (term->name() == Pressure<Real>::term_name)
+      for (const FacePressure& load : static_cast<const Pressure<Real>&>(*term).faces())
+        if (c.tet_target[load.tet] >= 0)
+          found.push_back({c.tet_target[load.tet], load.face, load.pressure});
   return found;
 }
 
@@ -283,6 +296,7 @@ Setup Organ<Real>::current_setup(CompactMesh& c) const {
       setup.prescribed.push_back({c.vertex_target[item.vertex], goal, item.axes});
   }
   setup.face_loads = loads_of_parts(setup_.face_loads, body_.loads.dead_loads(), body.topology, c);
+  setup.pressures = pressures_now(body_, c);
   setup.cut_frequency = std::sqrt(body_.inertia.floor().square);
   std::erase_if(setup.vertex_loads, [&](const VertexLoad& load) { return c.vertex_target[load.vertex] < 0; });
   for (VertexLoad& load : setup.vertex_loads) load.vertex = c.vertex_target[load.vertex];

@@ -4,6 +4,7 @@
 
 #include "lobe/contact/contact.h"
 #include "lobe/forces/applied_forces.h"
+#include "lobe/forces/pressure.h"
 
 namespace lobe {
 
@@ -14,6 +15,9 @@ std::span<const KindOfTerm<Real>> kinds_of_terms() {
       {AppliedForces<Real>::term_name,
        [](const Setup&) -> Term { return std::make_shared<AppliedForces<Real>>(); },
        [](const Setup&, std::span<const ToolBody>) { return false; }},
+      {Pressure<Real>::term_name,
+       [](const Setup& setup) -> Term { return std::make_shared<Pressure<Real>>(setup); },
+       [](const Setup& setup, std::span<const ToolBody>) { return !setup.pressures.empty(); }},
       {Contact<Real>::term_name,
        [](const Setup& setup) -> Term {
          return std::make_shared<Contact<Real>>(setup.contact, setup.damping);

@@ -10,6 +10,7 @@
 #include "lobe/condense/supports.h"
 #include "lobe/error.h"
 #include "lobe/file/fields.h"
+#include "lobe/forces/pressure.h"
 #include "lobe/organ/left_out_fields.h"
 #include "lobe/setup/check_setup.h"
 
@@ -75,6 +76,7 @@ Organ<Real>::Organ(const Setup& setup, int threads, const CondensingLog::Progres
   limit_.measure_at_rest(body_);
   embed();
   if (!setup.scalpels.empty()) prepare_blades();
+  if (!setup.pressures.empty()) own_term(Pressure<Real>::term_name);  // it follows cuts from the first on
 }
 
 // ---- State

@@ -24,7 +24,9 @@ bool meets_box(const Vec3d& a, const Vec3d& b, const Vec3d& low, const Vec3d& hi
 // How far the body may move from its box at rest: gravity, loads or other tools may carry it as far as it is
 // long.
 double reach_of(const Scene& scene, const TetMesh& mesh) {
-  const auto moves = [](const Boundary& entry) { return entry.value != Vec3d::Zero(); };
+  const auto moves = [](const Boundary& entry) {
+    return entry.value != Vec3d::Zero() || entry.pressure != 0;
+  };
   const bool is_moved = scene.gravity != Vec3d::Zero() || scene.tools.size() > 1 ||
                         std::any_of(scene.boundary.begin(), scene.boundary.end(), moves);
   const Box box = bounding_box(mesh);

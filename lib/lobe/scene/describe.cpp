@@ -82,7 +82,8 @@ ordered_json summarise_regions(const Scene& scene, const Resolved& resolved) {
   return counts;
 }
 
-Vec3d area_vector(const TetMesh& mesh, const FaceLoad& load) {
+template <class Load>
+Vec3d area_under(const TetMesh& mesh, const Load& load) {
   const auto corner = [&](int i) -> Vec3d {
     return mesh.points.col(mesh.tets(face_corners[load.face][i], load.tet));
   };
@@ -94,9 +95,16 @@ ordered_json summarise_loads(const Setup& setup) {
   double area = 0, mass = 0;
   for (const VertexLoad& load : setup.vertex_loads) forces += load.force;
   for (const FaceLoad& load : setup.face_loads) {
-    const double face = area_vector(setup.mesh, load).norm();
+    const double face = area_under(setup.mesh, load).norm();
     area += face;
     tractions += face * load.traction;
+  }
+  double pressed = 0;
+  Vec3d pressures = Vec3d::Zero();
+  for (const FacePressure& load : setup.pressures) {
+    const Vec3d face = area_under(setup.mesh, load);
+    pressed += face.norm();
+    pressures -= load.pressure * face;
   }
   for (Index t = 0; t < setup.mesh.tet_count(); ++t) {
     const Elastic& m = setup.materials[setup.material_of[static_cast<std::size_t>(t)]];
@@ -105,6 +113,8 @@ ordered_json summarise_loads(const Setup& setup) {
   return {{"force_N", vector_json(forces)},
           {"loaded_area_m2", area},
           {"traction_force_N", vector_json(tractions)},
+          {"area_under_pressure_m2", pressed},
+          {"pressure_force_N", vector_json(pressures)},
           {"mass_kg", mass},
           {"weight_N", vector_json(mass * setup.gravity)}};
 }
@@ -213,6 +223,9 @@ void print_loads(std::ostream& out, const ordered_json& summary) {
   out << summary["moved_vertices"] << " moved\n";
   out << "loads      force " << triple(loads["force_N"]) << " N, traction "
       << triple(loads["traction_force_N"]) << " N on " << rounded(loads["loaded_area_m2"]) << " m²\n";
+  if (loads["area_under_pressure_m2"] > 0)
+    out << "           pressure on " << rounded(loads["area_under_pressure_m2"]) << " m², at rest "
+        << triple(loads["pressure_force_N"]) << " N in all\n";
   out << "weight     " << rounded(norm(loads["weight_N"])) << " N, mass " << rounded(loads["mass_kg"])
       << " kg\n";
 }

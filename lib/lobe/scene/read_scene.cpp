@@ -137,6 +137,10 @@ Boundary read_boundary(const json& entry, const std::string& pointer) {
   }
   take("traction", Boundary::Kind::traction);
   take("force", Boundary::Kind::force);
+  if (entry.contains("pressure")) {
+    boundary.kind = Boundary::Kind::pressure;
+    boundary.pressure = entry["pressure"];
+  }
   return boundary;
 }
 

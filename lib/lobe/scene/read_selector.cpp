@@ -55,6 +55,7 @@ Selector read_selector(const nlohmann::json& object) {
   if (key == "nearest") return {SelectNearest{read_vector(value["point"]), value["count"].get<int>()}};
   if (key == "label") return {read_labels(value)};
   if (key == "surface") return {read_surfaces(value)};
+  if (key == "patch") return {SelectPatch{read_vector(value["point"]), value.value("angle", 40.0)}};
   if (key == "vertices") return {SelectVertices{value.get<std::vector<Index>>()}};
   if (key == "tetrahedra") return {SelectTetrahedra{value.get<std::vector<Index>>()}};
   if (key == "any_of") return {SelectAnyOf{read_parts(value)}};

@@ -25,6 +25,7 @@ class BoundaryResolver {
     for (std::size_t i = 0; i < entries.size(); ++i) {
       if (entries[i].kind == Boundary::Kind::force) share_force(entries[i], place(i));
       if (entries[i].kind == Boundary::Kind::traction) load_faces(entries[i], place(i));
+      if (entries[i].kind == Boundary::Kind::pressure) press_faces(entries[i], place(i));
     }
   }
 
@@ -135,16 +136,39 @@ class BoundaryResolver {
   }
 
   void load_faces(const Boundary& entry, const std::string& here) {
+    const std::vector<TetFace> faces = loaded_faces(entry, here);
+    for (const TetFace& face : faces) setup_.face_loads.push_back({face.tet, face.face, entry.value});
+    warn_of_held(faces, here);
+  }
+
+  void press_faces(const Boundary& entry, const std::string& here) {
+    const std::vector<TetFace> faces = loaded_faces(entry, here);
+    std::size_t condensed = 0;
+    for (const TetFace& face : faces) {
+      setup_.pressures.push_back({face.tet, face.face, entry.pressure});
+      condensed += setup_.region_of[std::size_t(face.tet)] == RegionModel::precomputed;
+    }
+    if (condensed > 0)
+      resolution_.fail(here, counted(condensed, "face under pressure is", "faces under pressure are") +
+                                 " in a precomputed region, whose inside bears no load that follows it: make "
+                                 "that part tensor-mass or nonlinear");
+    warn_of_held(faces, here);
+  }
+
+  std::vector<TetFace> loaded_faces(const Boundary& entry, const std::string& here) {
     if (outer_.empty()) outer_ = outer_faces(setup_.mesh);
     const std::size_t before = resolution_.faults.size();
-    const auto faces =
+    auto faces =
         resolution_.selected([&] { return select_faces(entry.where, setup_.mesh, outer_, here + "/where"); });
     if (faces.empty() && resolution_.faults.size() == before) {
       resolution_.fail_empty(here + "/where", "boundary face");
     }
+    return faces;
+  }
+
+  void warn_of_held(const std::vector<TetFace>& faces, const std::string& here) {
     std::size_t held = 0;
     for (const TetFace& face : faces) {
-      setup_.face_loads.push_back({face.tet, face.face, entry.value});
       const auto& corners = face_corners[face.face];
       held += std::all_of(std::begin(corners), std::end(corners),
                           [&](int corner) { return is_held(setup_.mesh.tets(corner, face.tet)); });

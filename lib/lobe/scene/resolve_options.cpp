@@ -61,6 +61,10 @@ std::vector<std::string> places_of(const Scene& scene, Option option) {
     case Option::force_terms: {
       std::vector<std::string> places = places_in(
           scene.tools, "/tools", "type", [](const Tool& tool) { return tool.type == ProbeSetup::type; });
+      for (std::string& place : places_in(scene.boundary, "/boundary", "pressure", [](const Boundary& entry) {
+             return entry.kind == Boundary::Kind::pressure;
+           }))
+        places.push_back(std::move(place));
       if (scene.contact.is_on()) places.push_back("/contact");
       return places;
     }

@@ -45,6 +45,10 @@ struct SelectSurface {
   std::vector<std::array<Index, 3>> triangles = {};  // that bind_groups() finds for them
   bool is_bound = false;
 };  // boundary faces; their vertices; tetrahedra that have such a face
+struct SelectPatch {
+  Vec3d point;       // the boundary face nearest to it is the first
+  double angle = 0;  // [degrees]
+};  // boundary faces that are connected with it by edges where they turn by less; their vertices
 struct SelectVertices {
   std::vector<Index> vertices;
 };
@@ -62,7 +66,7 @@ struct SelectNot {
 };  // exactly one
 struct Selector {
   std::variant<SelectAll, SelectBox, SelectSphere, SelectPlane, SelectNearest, SelectLabel, SelectVertices,
-               SelectTetrahedra, SelectSurface, SelectAnyOf, SelectAllOf, SelectNot>
+               SelectTetrahedra, SelectSurface, SelectPatch, SelectAnyOf, SelectAllOf, SelectNot>
       value;
 };
 
@@ -133,9 +137,10 @@ struct AutoRegions {
 };
 
 struct Boundary {
-  enum class Kind { fix, displacement, traction, force };
+  enum class Kind { fix, displacement, traction, force, pressure };
   Kind kind = Kind::fix;
   Vec3d value = Vec3d::Zero();  // displacement [m], traction [Pa], total force [N]
+  double pressure = 0;          // [Pa], positive where it pushes into the body
   Axes axes = all_axes;         // displacement: the components that are prescribed
   Selector where;
   std::string pointer;

@@ -1,7 +1,11 @@
 #include "lobe/scene/select.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <map>
+#include <numbers>
 #include <numeric>
 #include <set>
 
@@ -20,6 +24,52 @@ std::array<Index, 3> sorted(std::array<Index, 3> triangle) {
 std::array<Index, 3> sorted_face(const TetMesh& mesh, const TetFace& face) {
   const int* c = face_corners[face.face];
   return sorted({mesh.tets(c[0], face.tet), mesh.tets(c[1], face.tet), mesh.tets(c[2], face.tet)});
+}
+
+Vec3d area_vector(const TetMesh& mesh, const TetFace& face) {
+  const auto corner = [&](int k) -> Vec3d {
+    return mesh.points.col(mesh.tets(face_corners[face.face][k], face.tet));
+  };
+  return (corner(1) - corner(0)).cross(corner(2) - corner(0)) / 2;
+}
+
+Vec3d centre(const TetMesh& mesh, const TetFace& face) {
+  Vec3d sum = Vec3d::Zero();
+  for (const int k : face_corners[face.face]) sum += mesh.points.col(mesh.tets(k, face.tet));
+  return sum / 3;
+}
+
+// The faces of a patch, sorted corners each: spreads from the first face across edges. Faces of one patch
+// that meet at an edge only with others (a boundary that touches itself) do not spread there.
+std::set<std::array<Index, 3>> triangles_of(const SelectPatch& patch, const TetMesh& mesh) {
+  const std::vector<TetFace> faces = outer_faces(mesh);
+  std::map<std::pair<Index, Index>, std::vector<std::size_t>> at_edge;
+  const auto edge = [&](std::size_t f, int k) {
+    const auto corners = sorted_face(mesh, faces[f]);
+    return std::minmax(corners[std::size_t(k)], corners[std::size_t((k + 1) % 3)]);
+  };
+  for (std::size_t f = 0; f < faces.size(); ++f)
+    for (int k = 0; k < 3; ++k) at_edge[edge(f, k)].push_back(f);
+  const auto nearest = std::min_element(faces.begin(), faces.end(), [&](const TetFace& a, const TetFace& b) {
+    return (centre(mesh, a) - patch.point).squaredNorm() < (centre(mesh, b) - patch.point).squaredNorm();
+  });
+  std::vector<char> chosen(faces.size(), 0);
+  std::vector<std::size_t> queue{std::size_t(nearest - faces.begin())};
+  chosen[queue.front()] = 1;
+  const double least = std::cos(patch.angle * std::numbers::pi / 180) - 1e-12;
+  std::set<std::array<Index, 3>> triangles;
+  for (std::size_t at = 0; at < queue.size(); ++at) {
+    const std::size_t face = queue[at];
+    triangles.insert(sorted_face(mesh, faces[face]));
+    const Vec3d n = area_vector(mesh, faces[face]).normalized();
+    for (int k = 0; k < 3; ++k)
+      for (const std::size_t other : at_edge[edge(face, k)]) {
+        if (chosen[other] || n.dot(area_vector(mesh, faces[other]).normalized()) < least) continue;
+        chosen[other] = 1;
+        queue.push_back(other);
+      }
+  }
+  return triangles;
 }
 
 std::set<std::array<Index, 3>> sorted_triangles(const SelectSurface& select, const std::string& place) {
@@ -132,7 +182,12 @@ class Evaluation {
   }
 
   Mask mask(const SelectSurface& select, const std::string& place) const {
-    const std::set<std::array<Index, 3>> triangles = sorted_triangles(select, place);
+    return having(sorted_triangles(select, place));
+  }
+  Mask mask(const SelectPatch& patch, const std::string&) const { return having(triangles_of(patch, mesh_)); }
+
+  // Vertices or tetrahedra of these faces.
+  Mask having(const std::set<std::array<Index, 3>>& triangles) const {
     Mask chosen(size(), 0);
     if (kind_ == Kind::vertices) {
       for (const auto& triangle : triangles)
@@ -233,6 +288,7 @@ bool names_surface(const Selector& selector) {
     return std::any_of(parts.begin(), parts.end(), names_surface);
   };
   if (std::holds_alternative<SelectSurface>(selector.value)) return true;
+  if (std::holds_alternative<SelectPatch>(selector.value)) return true;
   if (const auto* some = std::get_if<SelectAnyOf>(&selector.value)) return any(some->parts);
   if (const auto* all = std::get_if<SelectAllOf>(&selector.value)) return any(all->parts);
   const auto* negated = std::get_if<SelectNot>(&selector.value);
@@ -248,6 +304,10 @@ class FaceEvaluation {
     if (!names_surface(selector)) return by_vertices(selector, place);
     if (const auto* surface = std::get_if<SelectSurface>(&selector.value)) {
       const auto triangles = sorted_triangles(*surface, place);
+      return where([&](const TetFace& face) { return triangles.contains(sorted_face(mesh_, face)); });
+    }
+    if (const auto* patch = std::get_if<SelectPatch>(&selector.value)) {
+      const auto triangles = triangles_of(*patch, mesh_);
       return where([&](const TetFace& face) { return triangles.contains(sorted_face(mesh_, face)); });
     }
     if (const auto* any = std::get_if<SelectAnyOf>(&selector.value))

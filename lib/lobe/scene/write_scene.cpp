@@ -49,6 +49,9 @@ ordered_json write(const SelectLabel& label) {
   return {{"label", labels}};
 }
 ordered_json write(const SelectSurface& select) { return {{"surface", select.names}}; }
+ordered_json write(const SelectPatch& patch) {
+  return {{"patch", {{"point", vector_json(patch.point)}, {"angle", patch.angle}}}};
+}
 ordered_json write(const SelectVertices& select) { return {{"vertices", select.vertices}}; }
 ordered_json write(const SelectTetrahedra& select) { return {{"tetrahedra", select.tetrahedra}}; }
 ordered_json write(const SelectAnyOf& any) { return {{"any_of", parts(any.parts)}}; }
@@ -125,7 +128,9 @@ ordered_json write(const AutoRegions& regions) {
 }
 
 ordered_json write(const Boundary& boundary) {
-  static constexpr const char* kinds[] = {"fix", "displacement", "traction", "force"};
+  static constexpr const char* kinds[] = {"fix", "displacement", "traction", "force", "pressure"};
+  if (boundary.kind == Boundary::Kind::pressure)
+    return {{"pressure", boundary.pressure}, {"where", selector(boundary.where)}};
   ordered_json value =
       boundary.kind == Boundary::Kind::fix ? ordered_json(true) : vector_json(boundary.value);
   for (std::size_t i = 0; i < 3; ++i)

@@ -132,6 +132,17 @@ void Checker::check_boundary() {
                return is_tet(l.tet) && l.face >= 0 && l.face < 4 && l.traction.allFinite();
              }),
          "a loaded face is out of range, or its traction not finite");
+  expect(all(setup_.pressures,
+             [&](const FacePressure& p) {
+               return is_tet(p.tet) && p.face >= 0 && p.face < 4 && std::isfinite(p.pressure);
+             }),
+         "a face under pressure is out of range, or its pressure not finite");
+  expect(all(setup_.pressures,
+             [&](const FacePressure& p) {
+               return !is_tet(p.tet) || std::size_t(p.tet) >= setup_.region_of.size() ||
+                      setup_.region_of[std::size_t(p.tet)] != RegionModel::precomputed;
+             }),
+         "a face under pressure is in a precomputed region, which bears no load that turns with it");
 }
 
 void Checker::check_tools() {

@@ -24,6 +24,13 @@ struct FaceLoad {  // dead load on one boundary face, in rest area
       std::tuple(&FaceLoad::tet, &FaceLoad::face, &FaceLoad::traction, &FaceLoad::weights);
 };
 
+struct FacePressure {  // on one boundary face, along the normal that it has as it moves
+  Index tet = 0;
+  int face = 0;         // opposite to this corner
+  double pressure = 0;  // [Pa], positive where it pushes into the body
+  static constexpr auto fields = std::tuple(&FacePressure::tet, &FacePressure::face, &FacePressure::pressure);
+};
+
 struct VertexLoad {
   Index vertex = 0;
   Vec3d force = Vec3d::Zero();  // [N]
@@ -57,6 +64,7 @@ struct Setup : Body, ToolSetups {
   std::vector<PrescribedVertex> prescribed;
   std::vector<FaceLoad> face_loads;
   std::vector<VertexLoad> vertex_loads;
+  std::vector<FacePressure> pressures;
   Vec3d gravity = Vec3d::Zero();  // [m/s²]
   Evaluator evaluator = Evaluator::direct;
   LoosePieces loose_pieces = LoosePieces::fall;
@@ -74,7 +82,7 @@ struct Setup : Body, ToolSetups {
   double implicit_step = 0;      // [s], at most this; 0: one step per call of advance()
   double spectral_radius = 0.8;  // of generalised-α at high frequencies, 1: no numerical damping
   double ramp = 0.1;             // prescribed displacements are reached over this time [s]
-  double load_ramp = 0;          // face_loads and vertex_loads grow linearly over this time [s]
+  double load_ramp = 0;          // all loads but weight grow linearly over this time [s]
   double sleep = 0;  // by how much displacements may differ where parts at rest sleep [m]; 0: none does
   double lattice_cell = 0;  // edge of the cells of reduced regions [m]; 0: chosen by their size
   bool expandable = false;  // pre-computed regions may be non-linear for a while (command Expand)
@@ -83,11 +91,11 @@ struct Setup : Body, ToolSetups {
   // What decides how a world moves, for fingerprint(): no names.
   static constexpr auto fields = std::tuple_cat(
       Body::fields,
-      std::tuple(&Setup::prescribed, &Setup::face_loads, &Setup::vertex_loads, &Setup::gravity,
-                 &Setup::evaluator, &Setup::loose_pieces, &Setup::damping, &Setup::safety, &Setup::cut_step,
-                 &Setup::cut_frequency, &Setup::selective_mass, &Setup::integrator, &Setup::implicit_step,
-                 &Setup::spectral_radius, &Setup::ramp, &Setup::load_ramp, &Setup::sleep,
-                 &Setup::lattice_cell, &Setup::expandable, &Setup::contact),
+      std::tuple(&Setup::prescribed, &Setup::face_loads, &Setup::vertex_loads, &Setup::pressures,
+                 &Setup::gravity, &Setup::evaluator, &Setup::loose_pieces, &Setup::damping, &Setup::safety,
+                 &Setup::cut_step, &Setup::cut_frequency, &Setup::selective_mass, &Setup::integrator,
+                 &Setup::implicit_step, &Setup::spectral_radius, &Setup::ramp, &Setup::load_ramp,
+                 &Setup::sleep, &Setup::lattice_cell, &Setup::expandable, &Setup::contact),
       ToolSetups::fields);
 };
 

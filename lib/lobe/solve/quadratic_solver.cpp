@@ -66,6 +66,8 @@ void add_traction(const TetMesh& mesh, const QuadraticMesh& nodes, const FaceLoa
 }  // namespace
 
 StaticEquations quadratic_equations(const Setup& setup, const QuadraticMesh& mesh) {
+  if (!setup.pressures.empty())
+    throw InputError("pressure", "is not known on 10-node tetrahedra: leave --quadratic out");
   const Given given(setup);
   StaticEquations equations{free_nodes(mesh, given), mesh.joined_linearly(given.displacements),
                             Mat3X<double>::Zero(3, mesh.node_count())};

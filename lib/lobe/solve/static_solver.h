@@ -40,10 +40,13 @@ struct StaticResult {
   Index unknowns = 0;
   std::string factor;             // method and ordering
   long long factor_nonzeros = 0;  // fill of the factor
+  // The share of the loads at which the equilibrium loses its stability, though no tetrahedron is near its
+  // limit: the body buckles. 0: none was met.
+  double buckling = 0;
   int damped = 0;                 // iterations in which the tangent was not positive definite and was damped
 };
 
-// Finds the equilibrium under dead loads, gravity and prescribed displacements of the setup. Tools are
+// Finds the equilibrium under loads, pressures, gravity and prescribed displacements of the setup. Tools are
 // ignored. Throws InputError if the setup is inconsistent, or if a piece of the body is free to move as a
 // rigid body.
 StaticResult solve_static(const Setup& setup, const StaticOptions& options = {});

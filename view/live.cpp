@@ -30,10 +30,13 @@ std::atomic<std::uint64_t> sessions_so_far = 0;
 Json array(const Vec3d& p) { return {p[0], p[1], p[2]}; }
 Json array(const Eigen::Vector4d& q) { return {q[0], q[1], q[2], q[3]}; }
 
+constexpr HandLimits hand_limits;
+
 SessionOptions session_options(const LiveOptions& options) {
   SessionOptions result;
   result.back_memory = 256u << 20;  // [bytes]; for undoing what was done minutes ago
   result.frame = options.frame;
+  result.hand = hand_limits;
   result.speed = options.speed;
   result.threads = options.threads;
   result.running = options.running;
@@ -262,6 +265,7 @@ class LiveOf final : public Live {
                       {"force", array(hand.force)},
                       {"radius", hand.shape.radius},
                       {"blade", array(hand.shape.blade)}});
+      if (hand.type == GraspSetup::type) list.back()["most"] = hand_limits.force_cap;
       add_jaws(hand.shape.jaw, hand.shape.opening, list.back());
     }
     int number = -1;  // of the scene's own, which no hand leads

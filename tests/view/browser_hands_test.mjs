@@ -24,6 +24,14 @@ await page.mouse.up();
 await page.keyboard.up('Shift');
 await drag(page, {x: at.x - 90, y: at.y}, -10, -20);
 check(await until(page, () => lobe.instruments.shown.size === 2), 'it stays, and a second one takes hold');
+const [arrows, figures] = await page.evaluate(() => [
+  [...lobe.instruments.shown.values()].map(({arrow}) => arrow.userData.material.color.getHexString()),
+  lobe.newtons.figures().map(({colour}) => colour.slice(1)),
+]);
+check(
+  new Set(arrows).size === 2 && figures.every(colour => arrows.includes(colour)),
+  `their arrows have the colours of their figures in the panel: ${arrows} and ${figures}`,
+);
 await page.mouse.up();
 check(await until(page, () => lobe.instruments.shown.size === 1 && lobe.force > 0), 'which alone is let go');
 

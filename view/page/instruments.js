@@ -1,5 +1,6 @@
 // Instruments where they are, and the force on them as an arrow with its newtons.
 import * as THREE from './third_party/three-0.187.0/three.module.js';
+import {nearness} from './forces.js';
 
 // Of each material there is one per look of the stage (looks.js).
 const metal = (color, options) => ({
@@ -16,8 +17,8 @@ const seenThrough = new THREE.MeshBasicMaterial({
   opacity: 0.3,
   toneMapped: false,
 });
+const red = new THREE.Color(0xff3b2b);
 const arrowMaterial = new THREE.MeshBasicMaterial({
-  color: 0xffc46b,
   depthTest: false,
   transparent: true,
   opacity: 0.92,
@@ -44,7 +45,7 @@ export class Instruments {
   }
 
   /** @param {{tool: number, type: string, position: number[], orientation: number[], force: number[],
-   *   radius: number, on: boolean, jaw?: number[], opening?: number}[]} tools
+   *   radius: number, on: boolean, jaw?: number[], opening?: number, colour: string, most?: number}[]} tools
    *  @param {boolean} isDue whether figures are written now */
   update(tools, isDue = true) {
     const present = new Set();
@@ -104,7 +105,8 @@ export class Instruments {
 
   remove(id, item) {
     this.stage.scene.remove(item.body, item.arrow);
-    item.body.traverse(part => part.geometry?.dispose());
+    for (const part of [item.body, item.arrow]) part.traverse(({geometry}) => geometry?.dispose());
+    item.arrow.userData.material.dispose();
     item.label.remove();
     this.shown.delete(id);
     this.stage.invalidate();
@@ -124,11 +126,15 @@ export class Instruments {
     item.body.userData.open?.(tool.opening ?? 0);
     const tip = item.body.getObjectByName('tip');
     for (const look of Object.values(tip?.userData.looks ?? {})) look.emissiveIntensity = tool.on ? 2.2 : 0;
+    const near = nearness(size, tool.most);
+    item.arrow.userData.material.color.set(tool.colour).lerp(red, near);
     item.at = new THREE.Vector3(...tool.position);
     item.isOld = !isDue; // what is written
     if (isDue) {
       item.isWritten = true;
-      item.label.textContent = !(tool.type in doing) ? `${size.toFixed(2)} N` : doing[tool.type];
+      const newtons = `${size.toFixed(2)} N` + (near > 0 ? ` of ${tool.most}` : '');
+      item.label.textContent = doing[tool.type] ?? newtons;
+      item.label.className = near > 0 ? 'near' : '';
     }
     item.label.hidden = tool.type in doing && !tool.on;
     item.arrow.visible = size > 0.02;
@@ -268,12 +274,14 @@ function jaws([width, thickness, length], surgeon) {
 }
 
 function makeArrow() {
-  const group = new THREE.Group();
+  const group = new THREE.Group(),
+    material = arrowMaterial.clone();
+  group.userData.material = material;
   const shaft = new THREE.Mesh(
     new THREE.CylinderGeometry(0.35, 0.35, 1, 16).translate(0, 0.5, 0),
-    arrowMaterial,
+    material,
   );
-  const head = new THREE.Mesh(new THREE.ConeGeometry(1.1, 2.8, 20).translate(0, 1.2, 0), arrowMaterial);
+  const head = new THREE.Mesh(new THREE.ConeGeometry(1.1, 2.8, 20).translate(0, 1.2, 0), material);
   group.add(shaft, head);
   group.renderOrder = 10;
   shaft.renderOrder = head.renderOrder = 10;

@@ -8,6 +8,7 @@ import {Instruments} from './instruments.js';
 import {Obstacles} from './obstacles.js';
 import {Organ} from './organ.js';
 import {hideOverlay, overlayIsShown, showHelp, showNoGraphics, showRefused} from './overlay.js';
+import {colours as forceColours, Forces} from './forces.js';
 import {History} from './history.js';
 import {DepthGauge} from './depth_gauge.js';
 import {showHaptic} from './haptic.js';
@@ -32,8 +33,9 @@ class Page {
     this.hands.brush = this.editor;
     this.editor.onBrush = quantity => this.mode === 'edit' && this.colour(quantity);
     this.messages = new Messages(element('messages'));
+    this.newtons = new Forces();
     const forces = [
-      {label: 'force', colour: '#ffc46b'},
+      ...forceColours.map((colour, i) => ({label: `instrument ${i + 1}`, colour})),
       {label: 'of the device', colour: '#6bd6ff'},
     ];
     this.forcePlot = new Plot(element('force-plot'), forces, 0);
@@ -120,10 +122,11 @@ class Page {
     // Figures beside the organ and in the panel are of the same frame.
     this.isDue = performance.now() - (this.figuresAt ?? 0) > this.stage.betweenFigures();
     if (frame.tools) {
+      this.newtons.take(frame.tools);
       this.instruments.update(frame.tools, this.isDue);
       this.hands.follow(frame.tools);
     }
-    if (frame.status) this.takeStatus(frame.status, frame.tools ?? []);
+    if (frame.status) this.takeStatus(frame.status);
     this.frames = (this.frames ?? 0) + 1;
     this.connection.shown(frame, this.stage.slow);
   }
@@ -155,10 +158,10 @@ class Page {
     this.showLegend();
   }
 
-  takeStatus(status, tools) {
+  takeStatus(status) {
     const before = this.status;
     this.status = status;
-    this.forces = tools.map(tool => Math.hypot(...tool.force)).filter(force => force >= 0.005);
+    this.forces = this.newtons.figures().map(({newtons}) => newtons);
     this.force = this.forces.reduce((sum, force) => sum + force, 0);
     if (status.scene !== before.scene) {
       element('scene-name').textContent = status.scene;
@@ -178,7 +181,7 @@ class Page {
       this.history.take(status.time);
       this.forcePlot.pause = this.energyPlot.pause = 1.5 * this.stage.betweenFigures();
       const felt = status.haptic?.force;
-      this.forcePlot.add(status.time, [this.force, felt ? Math.hypot(...felt) : null]);
+      this.forcePlot.add(status.time, [...this.newtons.values, felt ? Math.hypot(...felt) : null]);
       const {energy} = status;
       if (energy) this.energyPlot.add(energy.time, [energy.elastic * 1e3, energy.kinetic * 1e3]);
     }
@@ -188,9 +191,7 @@ class Page {
   // A few times a second, as they can be read; each change has the whole page drawn.
   showFigures(status) {
     this.figuresAt = performance.now();
-    // One value for each instrument; the plot has their sum.
-    const newtons = this.forces.map(force => force.toFixed(2)).join(' + ');
-    element('force').textContent = `${newtons || '0.00'} N`;
+    this.showForces();
     showHaptic(element('haptic'), status.haptic);
     const {energy} = status;
     if (energy) element('energy').textContent = `${(1e3 * (energy.elastic + energy.kinetic)).toFixed(1)} mJ`;
@@ -218,6 +219,17 @@ class Page {
     element('slow').classList.toggle('on', status.speed !== 1);
     element('back').disabled = !(status.can_go_back > 0);
     this.history.place();
+  }
+
+  /** One value for each instrument, as in the plot. */
+  showForces() {
+    const figures = this.newtons.figures().map(({newtons, colour}) => {
+      const figure = Object.assign(document.createElement('span'), {textContent: newtons.toFixed(2)});
+      figure.style.color = colour;
+      return figure;
+    });
+    if (figures.length === 0) figures.push('0.00');
+    element('force').replaceChildren(...figures.flatMap(figure => [figure, ' ']), 'N');
   }
 
   showQuality() {

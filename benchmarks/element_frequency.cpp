@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "benchmarks/benchmarks.h"
+#include "lobe/numerics/supernodal_factor.h"
 #include "lobe/solve/quadratic_solver.h"
 #include "lobe/solve/quadratic_tangent.h"
 
@@ -17,7 +18,7 @@ using MassMatrix = Eigen::SparseMatrix<double>;
 template <class SomeTangent>
 double lowest_of(SomeTangent& tangent, const MassMatrix& M) {
   constexpr int iterations = 20, block = 6;
-  const auto factor = tangent.make_factor(make_ldlt);
+  const auto factor = tangent.make_factor(make_supernodal);
   bool damped = false;
   if (!tangent.factorise(*factor, damped) || damped)
     throw WrongResult("elements: a body is not stable at rest");

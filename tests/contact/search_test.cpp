@@ -13,6 +13,7 @@
 #include "lobe/contact/contact.h"
 #include "lobe/contact/convex_gap.h"
 #include "lobe/contact/gap_kernels.h"
+#include "lobe/contact/pair_search.h"
 #include "lobe/contact/part_motion.h"
 #include "lobe/contact/quadrature.h"
 #include "lobe/cut/distance.h"
@@ -476,4 +477,40 @@ TEST_CASE("every instruction set finds the same points of triangles in tetrahedr
     }
   CHECK(inside > 10);
   CHECK(inverted > 10);
+}
+
+TEST_CASE("a search finds the pair of a point that is held, however far apart the two are") {
+  Setup setup = setup_of(slit_block_and_piece());
+  setup.contact.self = true;
+  World<double> world(setup);
+  REQUIRE(world.step(0.8 * world.time_step_limit()));
+  auto& contact = dynamic_cast<Contact<double>&>(*world.body().terms.front());
+  SelfRest rest;
+  rest.rebuild(contact.surface(), world.elements());
+  PairSearch search(rest);
+  ContactMemory memory;
+  const auto pairs = [&] {
+    search.rebuild();
+    search.place_at_rest();
+    search.search(contact.surface(), memory);
+    std::set<std::pair<int, Index>> found;  // triangle, tetrahedron
+    for (const PairSearch::Pair& pair : search.pairs())
+      found.insert({search.candidates()[std::size_t(pair.candidate)].triangle, pair.tet});
+    return found;
+  };
+  const std::set<std::pair<int, Index>> near = pairs();
+  const int triangle = 0;
+  const Index farthest = setup.mesh.tet_count() - 1, inside = -1;  // of the piece; none
+  REQUIRE_FALSE(near.contains({triangle, farthest}));
+  const FaceOwner& owner = contact.surface().triangles()[std::size_t(triangle)].owner;
+  Anchor anchor;
+  anchor.tet = owner.tet;
+  anchor.code = owner.code;
+  anchor.in = farthest;
+  Anchor gone = anchor;
+  gone.in = inside;
+  memory.set({{gone, anchor}, {}});
+  std::set<std::pair<int, Index>> expected = near;
+  expected.insert({triangle, farthest});
+  CHECK(pairs() == expected);
 }

@@ -66,8 +66,8 @@ bool GapWatch::find_room(const SelfAt& at, double ahead) {
   return room_ >= least_room_share * most_room_;
 }
 
-void GapWatch::search(const ContactSurface& surface) {
-  search_.search(surface);
+void GapWatch::search(const SelfAt& at, const ContactMemory& memory) {
+  search_.search(at.surface, memory);
   states_.assign(search_.pairs().size(), {});
   watched_.clear();
   held_.clear();
@@ -79,11 +79,11 @@ void GapWatch::measure(const SelfAt& at, const ContactMemory& memory, double ahe
   bool has_room = find_room(at, ahead);
   if (!has_room && search_.is_searched() && search_.widen()) {
     search_.place_at_rest();
-    search(at.surface);
+    search(at, memory);
     has_room = find_room(at, ahead);
   }
   if (!has_room) {
-    search(at.surface);
+    search(at, memory);
     room_ = std::min(most_room_, search_.within() - rest_.near);
   }
   find_watched(memory);

@@ -83,7 +83,7 @@ class GapWatch {
 
   void measure(const SelfAt& at, const ContactMemory& memory, double ahead);
   bool find_room(const SelfAt& at, double ahead);
-  void search(const ContactSurface& surface);
+  void search(const SelfAt& at, const ContactMemory& memory);
   bool look(const SelfAt& at, const ContactMemory& memory);
   void find_close();
   void clear_close();

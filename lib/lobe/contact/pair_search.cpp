@@ -74,11 +74,11 @@ std::size_t PairSearch::count_within(double gap) const {
 
 // ---- Search
 
-void PairSearch::search(const ContactSurface& surface) {
+void PairSearch::search(const ContactSurface& surface, const ContactMemory& memory) {
   parts_.remember(points_.x.data());
   find_boxes();
   link_parts();
-  find_pairs(surface);
+  find_pairs(surface, memory.all_anchors());
   take_candidates(surface);
   is_searched_ = true;
   ++number_;
@@ -136,10 +136,35 @@ void PairSearch::link_parts() {
   }
 }
 
-void PairSearch::find_pairs(const ContactSurface& surface) {
+// Anchors are in the order of the surface.
+void PairSearch::find_pairs(const ContactSurface& surface, const std::vector<Anchor>& anchors) {
   scratch_.found.clear();
   std::fill(scratch_.stamp.begin(), scratch_.stamp.end(), -1);
-  for (std::size_t t = 0; t < surface.triangles().size(); ++t) find_pairs_of(surface, static_cast<int>(t));
+  auto anchor = anchors.begin();
+  for (std::size_t t = 0; t < surface.triangles().size(); ++t) {
+    const std::size_t first = scratch_.found.size();
+    find_pairs_of(surface, static_cast<int>(t));
+    const FaceOwner& owner = surface.triangles()[t].owner;
+    const std::pair own(owner.tet, owner.code);
+    for (; anchor != anchors.end() && std::pair(anchor->tet, anchor->code) <= own; ++anchor)
+      if (std::pair(anchor->tet, anchor->code) == own) find_held(static_cast<int>(t), first, anchor->in);
+  }
+}
+
+// Adds a pair to those of its triangle, which begin at `first` and are in the order of layers. A tetrahedron
+// that a cut has taken off the boundary holds nothing.
+void PairSearch::find_held(int triangle, std::size_t first, Index tet) {
+  const int layer = rest_.boundary.number_of(tet);
+  if (std::size_t(layer) == rest_.boundary.tets().size() || rest_.layer(layer).tet != tet ||
+      scratch_.stamp[std::size_t(layer)] == triangle)
+    return;
+  const auto own = scratch_.found.begin() + long(first);
+  const auto place = std::lower_bound(own, scratch_.found.end(), layer,
+                                      [](const Found& found, int number) { return found.layer < number; });
+  if (place != scratch_.found.end() && place->layer == layer)
+    place->is_held = true;
+  else
+    scratch_.found.insert(place, {triangle, layer, std::numeric_limits<float>::lowest(), 0, true});
 }
 
 void PairSearch::find_pairs_of(const ContactSurface& surface, int triangle) {
@@ -175,7 +200,7 @@ void PairSearch::find_pairs_of(const ContactSurface& surface, int triangle) {
     const Eigen::Array4f over =
         planes.x[0] * n[0] + planes.x[1] * n[1] + planes.x[2] * n[2] - n.dot(x.col(0));
     const float gap = std::max({most, over.minCoeff(), -over.maxCoeff()}) - rounding;
-    if (gap <= within) scratch_.found.push_back({triangle, layer, gap, face});
+    if (gap <= within) scratch_.found.push_back({triangle, layer, gap, face, false});
   };
   const std::size_t before = scratch_.found.size();
   const int count = parts_.count(), part = rest_.part_of_triangle[std::size_t(triangle)];
@@ -223,7 +248,7 @@ void PairSearch::take_candidates(const ContactSurface& surface) {
     PairBlock& block = blocks_[k / PairBlock::width];
     const std::size_t lane = k % PairBlock::width;
     const float gap = block.gap[lane] - static_cast<float>(parts_.rounding());
-    if (gap > static_cast<float>(within_)) continue;
+    if (gap > static_cast<float>(within_) && !found.is_held) continue;
     if (!(gap > found.gap))  // the face parts them better
       for (int d = 0; d < 3; ++d)
         block.normal[std::size_t(d)][lane] = found.face == 0 ? 1.0F : found.face == d + 1 ? -1.0F : 0.0F;

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 
+#include "lobe/contact/contact_memory.h"
 #include "lobe/contact/part_motion.h"
 #include "lobe/contact/self_rest.h"
 #include "lobe/contact/stations.h"
@@ -38,8 +39,9 @@ class PairSearch {
 
   bool is_searched() const { return is_searched_; }
   int number() const { return number_; }  // of the last search, of any surface
-  void search(const ContactSurface& surface);
-  // Pairs that were farther apart than this are not known [m].
+  // Pairs of which a point is held are found however far apart they are.
+  void search(const ContactSurface& surface, const ContactMemory& memory);
+  // Others that were farther apart than this are not known [m].
   double within() const { return within_; }
   // The next search goes as far as all searches after the first do. False: the last one did.
   bool widen();
@@ -72,6 +74,7 @@ class PairSearch {
     int triangle, layer;
     float gap;  // or less [m]
     int face;
+    bool is_held = false;
   };
   struct Scratch {  // of a search
     std::vector<float> squares;
@@ -84,8 +87,9 @@ class PairSearch {
   void find_boxes();
   static void find_planes(const Mat34<double>& x, Planes& planes);
   void link_parts();
-  void find_pairs(const ContactSurface& surface);
+  void find_pairs(const ContactSurface& surface, const std::vector<Anchor>& anchors);
   void find_pairs_of(const ContactSurface& surface, int triangle);
+  void find_held(int triangle, std::size_t first, Index tet);
   void take_candidates(const ContactSurface& surface);
   void take_pair(const ContactSurface& surface, const Found& found, float gap);
   void rank_pairs(const std::vector<PairBlock>& blocks);

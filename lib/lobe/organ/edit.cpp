@@ -155,7 +155,7 @@ Index Organ<Real>::treat_loose(const std::vector<std::vector<Index>>& pieces) {
 
 template <class Real>
 void Organ<Real>::freeze(const std::vector<Index>& piece) {
-  body_.recover_embedded();
+  body_.recover_followers();
   std::vector<Index> vertices;
   for (Index t : piece)
     for (Index v : elements().topology.corners(t)) vertices.push_back(v);

@@ -74,7 +74,7 @@ class Organ {
   void show_tools(std::span<const ToolBody> bodies);
   void show_body();
   // Before terms are asked for forces or stiffness: they see the body that edits have left since they saw it,
-  // as those of a restored organ do.
+  // as those of a restored organ do, and vertices that follow others where these now are.
   void refresh_terms();
   void show_body_anew() {  // the same, whatever they have seen
     shown_ = {};

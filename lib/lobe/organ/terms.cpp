@@ -87,7 +87,7 @@ void Organ<Real>::show_body() {
 
 template <class Real>
 void Organ<Real>::show_body_to(ForceTerm<Real>& term) {
-  body_.recover_embedded();
+  body_.recover_followers();
   BodyView body{.model = body_.model,
                 .surface = display_.surface(elements(), grains()).mesh(),
                 .mass = body_.inertia.mass(),
@@ -100,8 +100,11 @@ void Organ<Real>::show_body_to(ForceTerm<Real>& term) {
   shown_ = now_shown();
 }
 
+// Recovers what terms see, since whether somebody else has looked at it must not change bits.
 template <class Real>
 void Organ<Real>::refresh_terms() {
+  const auto needs_body = [](const auto& term) { return term->needs_body(); };
+  if (std::any_of(body_.terms.begin(), body_.terms.end(), needs_body)) body_.recover_followers();
   if (shown_ == now_shown()) return;
   for (const auto& term : body_.terms)
     if (term->needs_body()) show_body_to(*term);

@@ -47,8 +47,8 @@ void Dynamics<Real>::recover(typename Regions<Real>::Interior wanted) {
 }
 
 template <class Real>
-void Dynamics<Real>::recover_embedded() {
-  if (regions.any_embedded()) recover(Regions<Real>::Interior::all);
+void Dynamics<Real>::recover_followers() {
+  if (regions.any_following()) recover(Regions<Real>::Interior::all);
 }
 
 template <class Real>
@@ -95,8 +95,8 @@ std::vector<Index> Dynamics<Real>::woken_by_terms() const {
 
 template <class Real>
 Vec3d Dynamics<Real>::reaction(int holder) {
-  find_forces();
   recover(Regions<Real>::Interior::all);
+  find_forces();
   Vec3d sum = Vec3d::Zero();
   for (const HeldVertices::Held& item : model.held.all()) {
     if (item.holder != holder) continue;

@@ -36,9 +36,9 @@ struct Dynamics {
   void find_forces();
   // Computes the displacements of the condensed interior, and its velocities if asked for.
   void recover(typename Regions<Real>::Interior wanted);
-  void recover_embedded();  // and the velocities of what follows a lattice
-  void find_moving();       // finds the vertices that move
-  void prepare_inertia();   // and the couplings of selective masses
+  void recover_followers();  // of a condensed region's interface, of a lattice, with their velocities
+  void find_moving();        // finds the vertices that move
+  void prepare_inertia();    // and the couplings of selective masses
   Energies energies();
   Energies energies_without_terms();  // of forces
   Vec3d reaction(int holder);         // force that the holder must apply now [N]

@@ -1,9 +1,11 @@
 /* Servo loops ask for forces of two tools while another thread attaches and detaches one of them. Prints
  * nothing and returns 0 where all is as it should be; ThreadSanitizer and AddressSanitizer see the rest.
  * Argument: the folder data/. */
+#define _POSIX_C_SOURCE 200809L /* nanosleep() */
 #include <lobe_c.h>
 #include <pthread.h>
 #include <stdio.h>
+#include <time.h>
 
 static const char* scene =
     "{\"mesh\": \"meshes/liver_2k.vtu\", \"materials\": [{\"lame_lambda\": 4e4, \"lame_mu\": 1e4}],"
@@ -25,7 +27,7 @@ static void* feel(void* argument) {
   while (!__atomic_load_n(mine->ends, __ATOMIC_ACQUIRE)) {
     switch (lobe_haptic_force(mine->session, mine->tool, mine->at, v, f)) {
       case LOBE_OK:
-        ++mine->felt;
+        __atomic_fetch_add(&mine->felt, 1, __ATOMIC_RELAXED);
         break;
       case LOBE_WRONG_STATE:
         ++mine->not_led;
@@ -35,6 +37,17 @@ static void* feel(void* argument) {
     }
   }
   return NULL;
+}
+
+/* Waits until it has felt a force again; 0 if it does not within 10 s. */
+static int feels_again(servo* one) {
+  const long before = __atomic_load_n(&one->felt, __ATOMIC_RELAXED);
+  const struct timespec pause = {0, 100000};
+  for (int i = 0; i < 100000; ++i) {
+    if (__atomic_load_n(&one->felt, __ATOMIC_RELAXED) > before) return 1;
+    nanosleep(&pause, NULL);
+  }
+  return 0;
 }
 
 int main(int argc, char** argv) {
@@ -55,6 +68,7 @@ int main(int argc, char** argv) {
     failures += lobe_haptic_detach(session, 1) != LOBE_OK;
     failures += lobe_haptic_detach(session, 1) != LOBE_WRONG_STATE;
     failures += lobe_haptic_attach(session, 1, NULL) != LOBE_OK;
+    failures += !feels_again(&servos[0]);
   }
   __atomic_store_n(&ends, 1, __ATOMIC_RELEASE);
   for (int i = 0; i < 2; ++i) pthread_join(threads[i], NULL);

@@ -25,6 +25,7 @@ export class Hands {
     this.last = new Map(); // where each pointer was
     this.onAct = () => {}; // told which instrument begins
     this.onBlade = () => {}; // told of a blade that cuts (scalpel.js); null: there is none any more
+    this.tape = null; // with begin(hit) and reach(hit)
     this.brush = null; // of the editor: {paint(point), end()}
     const canvas = stage.canvas;
     canvas.addEventListener('pointerdown', event => this.down(event));
@@ -50,7 +51,7 @@ export class Hands {
     this.sizes.setKind(kind);
     this.gauge.hide();
     this.ring.visible = false;
-    this.stage.canvas.classList.toggle('cautery', kind === 'cautery' || kind === 'scalpel');
+    this.stage.canvas.classList.toggle('cautery', ['cautery', 'scalpel', 'measure'].includes(kind));
     this.stage.canvas.classList.toggle('paint', kind === 'paint');
     this.stage.invalidate();
   }
@@ -63,7 +64,7 @@ export class Hands {
   /** The radius of the ring [m]. */
   reach() {
     if (this.kind === 'paint') return this.brush.radius();
-    if (this.kind === 'scalpel') return 0.03 * this.stage.size;
+    if (this.kind === 'scalpel' || this.kind === 'measure') return 0.03 * this.stage.size;
     return this.sizes.of(this.kind) * (this.kind === 'jaws' ? 0.5 : 1);
   }
 
@@ -73,9 +74,9 @@ export class Hands {
     this.stage.canvas.setPointerCapture(pointerId);
     this.last.set(pointerId, {x, y});
     // A second finger zooms where the first one moves the camera; otherwise it is a second hand.
-    if (event.button === 0 && this.may && !event.altKey && this.camera.size === 0) {
+    if (event.button === 0 && (this.may || this.kind === 'measure') && !event.altKey && this.camera.size === 0) {
       const ray = this.stage.ray(x, y);
-      if (this.kind !== 'paint' && this.takeHeld(event)) return;
+      if (this.may && this.kind !== 'paint' && this.takeHeld(event)) return;
       const hit = this.organ.hit(ray);
       if (hit) return this.begin(pointerId, hit, ray);
     }
@@ -88,6 +89,10 @@ export class Hands {
     if (this.kind === 'paint') {
       this.actives.set(pointer, {kind: 'paint'});
       return this.brush.paint(this.organ.restOf(hit));
+    }
+    if (this.kind === 'measure') {
+      this.actives.set(pointer, {kind: 'measure'});
+      return this.tape.begin(hit);
     }
     const hand = this.freeHand();
     if (hand < 0) return;
@@ -215,11 +220,12 @@ export class Hands {
 
   drag(active, event, dx, dy) {
     const {kind} = active;
-    if (kind === 'paint' || kind === 'cautery') {
+    if (kind === 'paint' || kind === 'cautery' || kind === 'measure') {
       const hit = this.organ.hit(this.stage.ray(event.offsetX, event.offsetY));
       if (!hit) return;
       this.showRing(hit.point, hit);
       if (kind === 'paint') return this.brush.paint(this.organ.restOf(hit));
+      if (kind === 'measure') return this.tape.reach(hit);
       active.point.copy(hit.point);
     } else if (kind === 'scalpel') {
       this.showRing(null, null);
@@ -326,7 +332,7 @@ export class Hands {
   }
 
   hover(event) {
-    const hit = this.may ? this.organ.hit(this.stage.ray(event.offsetX, event.offsetY)) : null;
+    const hit = this.may || this.kind === 'measure' ? this.organ.hit(this.stage.ray(event.offsetX, event.offsetY)) : null;
     this.stage.canvas.classList.toggle('away', !hit && this.kind === 'grasp');
     this.showRing(hit?.point, hit);
     if (this.kind !== 'scalpel') return;

@@ -26,6 +26,7 @@ export class History {
 
   /** A hand has begun something. */
   begin(kind) {
+    if (!(kind in words)) return;
     const mark = document.createElement('button'),
       act = {kind, time: this.time, mark},
       what = `${words[kind]} at ${this.time.toFixed(1)} s: go back to before it`;

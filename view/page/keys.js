@@ -16,6 +16,7 @@ export function listenToKeys(page) {
     p: press('tool-probe'),
     j: press('tool-jaws'),
     e: press('tool-paint'),
+    t: press('tool-measure'),
     ' ': press('pause'),
     '.': press('single'),
     s: press('slow'),
@@ -41,6 +42,7 @@ export function listenToKeys(page) {
       document.getElementById('overlay').dataset.lasting !== '1' &&
         (document.getElementById('overlay').hidden = true);
       page.hands.releaseHeld();
+      page.tape.clear();
     },
   };
   // A button that the mouse has pressed does not keep the space bar.

@@ -15,7 +15,9 @@ import {showHaptic} from './haptic.js';
 import {Plot} from './plots.js';
 import {graphics, Stage} from './stage.js';
 import {listenToKeys} from './keys.js';
+import {cutLength, volumeOf} from './measures.js';
 import {Messages} from './messages.js';
+import {Tape} from './tape.js';
 import {inMillimetres, ToolSizes} from './tool_sizes.js';
 
 const element = id => document.getElementById(id);
@@ -29,6 +31,7 @@ class Page {
     this.ask = (request, since) => this.connection.ask(request, since);
     this.sizes = new ToolSizes(element('tool-size'));
     this.hands = new Hands(this.stage, this.organ, this.ask, this.sizes, new DepthGauge(element('depth')));
+    this.tape = this.hands.tape = new Tape(this.stage, this.organ, element('labels'));
     this.editor = new Editor(this.ask);
     this.hands.brush = this.editor;
     this.editor.onBrush = quantity => this.mode === 'edit' && this.colour(quantity);
@@ -115,6 +118,7 @@ class Page {
     if (frame.positions && frame.positions.revision === this.organ.revision) {
       this.organ.move(frame.positions.x);
       this.follow(frame.positions.x);
+      this.tape.follow();
     }
     if (frame.scalar) this.organ.setScalar(frame.scalar);
     if (frame.held) this.organ.setHeld(frame.held);
@@ -155,6 +159,7 @@ class Page {
     }
     this.organ.x = this.organ.served = null;
     this.organ.setTopology(topology, fibres);
+    this.isMeasured = false;
     this.showLegend();
   }
 
@@ -192,6 +197,7 @@ class Page {
   showFigures(status) {
     this.figuresAt = performance.now();
     this.showForces();
+    this.showMeasures();
     showHaptic(element('haptic'), status.haptic);
     const {energy} = status;
     if (energy) element('energy').textContent = `${(1e3 * (energy.elastic + energy.kinetic)).toFixed(1)} mJ`;
@@ -232,6 +238,22 @@ class Page {
     element('force').replaceChildren(...figures.flatMap(figure => [figure, ' ']), 'N');
   }
 
+  showMeasures() {
+    if (!this.isMeasured) {
+      this.isMeasured = true;
+      const {surface} = this.organ,
+        volume = volumeOf(surface),
+        cut = cutLength(surface);
+      this.volume = Math.max(this.volume ?? 0, volume);
+      const removed = this.volume - volume;
+      element('cut-length').textContent = cut > 0 ? inMillimetres(cut) : '';
+      element('removed').textContent = removed > 1e-5 * volume ? `${(1e6 * removed).toPrecision(3)} ml` : '';
+    }
+    const distance = this.tape.length();
+    element('distance').textContent = distance > 0 ? inMillimetres(distance) : '';
+    element('measures').hidden = !element('measures').querySelector('dd:not(:empty)');
+  }
+
   showQuality() {
     const {words} = this.stage.step;
     element('quality').textContent = words && `drawn with ${words}`;
@@ -250,7 +272,7 @@ class Page {
     if (this.mayAct === status.controls) return;
     this.mayAct = status.controls; // as its buttons show
     for (const button of document.querySelectorAll('#dock button, #editor button'))
-      if (!['picture', 'video', 'panel-button', 'help-button'].includes(button.id)) {
+      if (!['tool-measure', 'picture', 'video', 'panel-button', 'help-button'].includes(button.id)) {
         button.toggleAttribute('data-foreign', !status.controls);
         button.setAttribute('aria-disabled', String(!status.controls));
       }
@@ -282,6 +304,7 @@ class Page {
         'lasting',
       );
     this.run = run;
+    this.volume = 0;
     this.history.forget(0);
   }
 
@@ -356,6 +379,7 @@ class Page {
     click('tool-scalpel', () => this.take('scalpel'));
     click('tool-probe', () => this.take('probe'));
     click('tool-jaws', () => this.take('jaws'));
+    click('tool-measure', () => this.take('measure'));
     click('tool-paint', () => this.take('paint'));
     click('pause', () => this.ask({do: 'pause', on: this.status.running}));
     click('single', () => this.ask({do: 'step'}));
@@ -409,11 +433,12 @@ class Page {
       ['tool-scalpel', 'scalpel'],
       ['tool-probe', 'probe'],
       ['tool-jaws', 'jaws'],
+      ['tool-measure', 'measure'],
       ['tool-paint', 'paint'],
     ])
       element(id).setAttribute('aria-checked', String(name === tool));
     const paints = tool === 'paint';
-    if (paints !== (this.mode === 'edit') && this.status.mode) this.ask({do: 'edit', on: paints});
+    if (paints !== (this.mode === 'edit') && this.status.controls) this.ask({do: 'edit', on: paints});
     if (!paints || this.mode === 'edit') this.hands.setKind(tool);
   }
 
@@ -430,6 +455,7 @@ class Page {
     this.editor.note('');
     element('pause').parentElement.style.display = edits ? 'none' : '';
     for (const plot of document.querySelectorAll('.plot')) plot.hidden = edits;
+    this.tape.clear();
     element('export').hidden = element('history').hidden = edits;
     this.leaveRoom();
   }

@@ -23,6 +23,7 @@ export function showHelp() {
     ['Right drag · wheel · middle drag', 'turn · zoom · shift the camera'],
     ['Arrows · + − · Shift with arrows', 'the same by keys; Home: from the front, all of the organ'],
     ['G · C · X · P · J · E', 'grasp · cautery · scalpel · probe · jaws · paint regions'],
+    ['T, then left drag', 'measure a distance; Esc takes the tape away'],
     ['[ · ]', 'smaller · larger instrument; for the scalpel: the depth at which it begins'],
     ['Space · . · S', 'pause · one frame · slow motion'],
     ['Ctrl Z · B · R', 'undo: back to before the last act · back by a second · restart'],

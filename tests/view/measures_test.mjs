@@ -1,0 +1,43 @@
+// What the page measures on a surface.
+import assert from 'node:assert/strict';
+import {test} from 'node:test';
+import {cutLength, volumeOf} from '../../view/page/measures.js';
+
+// Boxes from corner to corner, each with vertices of its own, turned out.
+function boxes(...list) {
+  const rest = [],
+    triangles = [];
+  for (const [low, high, inside] of list) {
+    const first = rest.length / 3;
+    for (let i = 0; i < 8; ++i) for (let k = 0; k < 3; ++k) rest.push((i >> k) & 1 ? high[k] : low[k]);
+    for (const [a, b, c, d] of [
+      [0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5],
+    ])
+      for (const [u, v, w] of [[a, b, c], [a, c, d]])
+        triangles.push(...(inside ? [u, w, v] : [u, v, w]).map(corner => corner + first));
+  }
+  return {
+    rest: Float32Array.from(rest),
+    triangles: Uint32Array.from(triangles),
+    cut: new Uint8Array(triangles.length / 3),
+  };
+}
+
+test('the volume of a box, of two, and of one with a cavity', () => {
+  const box = [[1, 1, 1], [3, 2, 1.5]];
+  assert.equal(volumeOf(boxes(box)), 1);
+  assert.equal(volumeOf(boxes(box, [[5, 5, 5], [6, 6, 7]])), 3);
+  assert.equal(volumeOf(boxes([[0, 0, 0], [4, 4, 4]], [[1, 1, 1], [3, 3, 3], true])), 56);
+});
+
+test('nothing is cut: there is no length', () => {
+  assert.equal(cutLength(boxes([[0, 0, 0], [1, 1, 1]])), 0);
+});
+
+test('two boxes that a cut has parted: once around it, though it has two lips', () => {
+  const surface = boxes([[0, 0, 0], [1, 1, 2]], [[1, 0, 0], [2, 1, 2]]);
+  const at = (t, x) => [0, 1, 2].every(k => surface.rest[3 * surface.triangles[3 * t + k]] === x);
+  for (let t = 0; t < surface.cut.length; ++t) surface.cut[t] = at(t, 1) ? 1 : 0;
+  assert.equal(surface.cut.reduce((sum, c) => sum + c), 4);
+  assert.equal(cutLength(surface), 6);
+});

@@ -91,6 +91,7 @@ TEST_CASE("a copy of a long path has few rows of its own, one that is settled or
   CHECK(io::memory_of(of_scene) < 100);
   path.settle();
   CHECK(io::memory_of(path) < whole / 250);
+  CHECK(path.recent().capacity() == 2);
   CHECK(path.size() == 72000);
 }
 

@@ -83,6 +83,7 @@ void GrowingPath::settle() {
   constexpr std::size_t kept = 2;
   if (settled_ || recent_.empty()) return;
   if (recent_.size() > kept) pack(recent_.size() - kept);
+  recent_.shrink_to_fit();
   settled_ = std::make_shared<const Rows>(std::move(recent_));
   recent_ = {};
 }

@@ -1,51 +1,52 @@
-"""A task in the form of a gym environment: reset(), step(action). A hand is to bring a beam's end to a target.
+"""A task of one's own as an environment: a hand is to bring a beam's end to a target.
 
     PYTHONPATH=build/python /usr/bin/python3 examples/python/05_learn.py
 """
 
 import lobe
 import numpy as np
+from lobe import learn
 
 
-class Reach:
-    """action: velocity of the hand [m/s]; observation: the way from the end to the target [m] and the force [N]."""
+class Reach(learn.Environment):
+    """Action: velocity of the hand [m/s]. Observation: way from the end to the target [m], force [N]."""
+
+    action_space = learn.Box(-0.1, 0.1, (3,))
+    observation_space = learn.Box(-np.inf, np.inf, (6,))
 
     def __init__(self):
-        self.mesh = lobe.box_mesh((0.1, 0.02, 0.02), (8, 2, 2))
-        self.end = np.flatnonzero(self.mesh.points[:, 0] > 0.099)
-        scene = lobe.Scene({
+        super().__init__(lobe.Scene({
             "materials": [{"lame_lambda": 4e4, "lame_mu": 1e4}],
             "boundary": [{"fix": True, "where": {"box": {"min": [-1, -1, -1], "max": [0, 1, 1]}}}],
             "time": {"damping": 20},
-        }, self.mesh)
-        self.world = lobe.World(scene)
-        self.begin = self.world.save()
+        }, lobe.box_mesh((0.1, 0.02, 0.02), (8, 2, 2))), longest=200)
 
-    def reset(self, seed):
-        self.world.restore(self.begin)  # much cheaper than a new world
-        self.hand = self.world.grasp(self.end)
-        self.world.advance(0.02)
-        self.target = self.hand.position + np.random.default_rng(seed).uniform(-0.02, 0.02, 3)
-        return self._observe()
+    def bring(self, world):
+        world.grasp(world.scene.mesh.points[:, 0] > 0.099)
+        world.advance(self.frame)
 
-    def step(self, action):
-        self.hand.move_to(self.hand.position + 0.02 * np.clip(action, -0.1, 0.1))
-        report = self.world.advance(0.02)
-        observation = self._observe()
-        distance = np.linalg.norm(observation[:3])
-        return observation, -distance, bool(distance < 1e-3), not report.ok
+    def begin(self):
+        self.target = self.tools[0].position + self.np_random.uniform(-0.02, 0.02, 3)
 
-    def _observe(self):
-        return np.concatenate([self.target - self.hand.position, self.hand.force])
+    def act(self, action):
+        self.tools[0].move_to(self.tools[0].position + self.frame * action)
+
+    def observe(self):
+        return np.concatenate([self.target - self.tools[0].position, self.tools[0].force])
+
+    def judge(self, report):
+        distance = np.linalg.norm(self.target - self.tools[0].position)
+        return -distance, distance < 1e-3
 
 
 task = Reach()
 for gain in (2.0, 10.0):  # two policies: the velocity is so many times the way that is left
     steps = []
     for episode in range(5):
-        observation, count, done = task.reset(seed=episode), 0, False
-        while not done and count < 200:
-            observation, reward, done, failed = task.step(gain * observation[:3])
-            count += 1
-        steps.append(count)
+        observation, _ = task.reset(seed=episode)
+        is_over = False
+        while not is_over:
+            observation, reward, terminated, truncated, _ = task.step(gain * observation[:3])
+            is_over = terminated or truncated
+        steps.append(task.steps)
     print(f"gain {gain:4.1f}: {np.mean(steps):.1f} steps to the target")

@@ -24,6 +24,7 @@ export function listenToKeys(page) {
     r: press('restart'),
     m: press('mesh'),
     f: press('fibres'),
+    o: press('section'),
     k: press('skin'),
     i: press('picture'),
     v: press('video'),

@@ -13,6 +13,7 @@ import {History} from './history.js';
 import {DepthGauge} from './depth_gauge.js';
 import {showHaptic} from './haptic.js';
 import {Plot} from './plots.js';
+import {Section} from './section.js';
 import {graphics, Stage} from './stage.js';
 import {listenToKeys} from './keys.js';
 import {cutLength, volumeOf} from './measures.js';
@@ -26,6 +27,7 @@ class Page {
   constructor(software) {
     this.stage = new Stage(element('stage'), software);
     this.organ = new Organ(this.stage);
+    this.section = this.organ.section = new Section(this.stage, this.organ);
     this.instruments = new Instruments(this.stage, element('labels'));
     this.obstacles = new Obstacles(this.stage);
     this.ask = (request, since) => this.connection.ask(request, since);
@@ -398,6 +400,12 @@ class Page {
     element('colour').onchange = () => this.colour(element('colour').value);
     element('skin').onchange = () => this.wantSkin();
     element('mesh').onchange = () => this.organ.setShowsMesh(element('mesh').checked);
+    element('section').onchange = () => {
+      const {checked} = element('section');
+      element('section-depth').hidden = !checked;
+      this.section.setOn(checked);
+    };
+    element('section-depth').oninput = ({target}) => this.section.setDepth(target.value / 100);
     this.hands.onAct = kind => {
       this.hint('');
       if (kind !== 'paint') this.history.begin(kind);

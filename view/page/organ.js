@@ -41,6 +41,7 @@ export class Organ {
     );
     this.shadow.matrixAutoUpdate = this.shadow.frustumCulled = false;
     stage.scene.add(this.mesh, this.lines, this.rim, this.shadow);
+    this.section = null; // section.js: what is not drawn is not hit
     this.fibres = new Fibres(stage, document.getElementById('fibres'));
     stage.onLook.push(() => this.dress());
     this.dress();
@@ -362,7 +363,7 @@ export class Organ {
   /** Where a ray meets the organ first; null if nowhere. */
   hit(ray) {
     const caster = new THREE.Raycaster(ray.origin, ray.direction);
-    const [first] = caster.intersectObject(this.mesh, false);
+    const first = caster.intersectObject(this.mesh, false).find(({point}) => this.section?.shows(point) ?? true);
     return first ? {point: first.point, distance: first.distance, face: first.face} : null;
   }
 
@@ -378,6 +379,12 @@ export class Organ {
 
   /** How far the body reaches along a direction [m]. */
   extent(/** @type {THREE.Vector3} */ direction) {
+    const {low, high} = this.span(direction);
+    return high - low;
+  }
+
+  /** From where to where it reaches along a direction [m]. */
+  span(/** @type {THREE.Vector3} */ direction) {
     const {array} = this.position;
     let low = Infinity,
       high = -Infinity;
@@ -386,7 +393,7 @@ export class Organ {
       low = Math.min(low, along);
       high = Math.max(high, along);
     }
-    return high - low;
+    return {low, high};
   }
 
   /** The position at rest of a point of the drawn surface. */

@@ -28,7 +28,8 @@ export function showHelp() {
     ['Space · . · S', 'pause · one frame · slow motion'],
     ['Ctrl Z · B · R', 'undo: back to before the last act · back by a second · restart'],
     ['Marks at the bottom', 'what was done so far: click to go back to before it'],
-    ['M · K · F · I · V', 'mesh · skin · fibres · image · video'],
+    ['M · K · F · O', 'mesh · skin · fibres · a section across the view, which opens the organ'],
+    ['I · V', 'image · video'],
   ];
   show(
     '<h1>Hands on the organ</h1><dl>' +

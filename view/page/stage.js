@@ -20,7 +20,7 @@ export class Stage {
     this.canvas = canvas;
     this.software = software;
     // Nothing is behind it: the browser need not mix it with anything.
-    const wanted = {alpha: false, antialias: !software, powerPreference: 'high-performance'};
+    const wanted = {alpha: false, stencil: true, antialias: !software, powerPreference: 'high-performance'};
     this.renderer = new THREE.WebGLRenderer({canvas, context: canvas.getContext('webgl2', wanted)});
     this.renderer.toneMapping = THREE.ACESFilmicToneMapping;
     this.renderer.toneMappingExposure = 1.05;

@@ -155,10 +155,19 @@ void print_info(const Json& j) {
               number("/material/density"));
 }
 
+// Eigen takes minutes where the factor is large.
+void hint_at_faster_solver(const Setup& setup) {
+  constexpr Index many = 30'000;  // vertices
+  if (setup.mesh.vertex_count() < many || linked_solver.name != std::string("eigen")) return;
+  std::fprintf(stderr, "lobe: %d vertices: this may take minutes; --solver cholmod is faster\n",
+               setup.mesh.vertex_count());
+}
+
 // Plays or solves a scene with a progress bar, draws what pictures it asks for, prints the result.
 int produce(const SceneOptions& options, const char* what, decltype(&run_scene) function) {
   Loaded loaded = load(options);
   print_warnings(loaded.resolved.warnings);
+  if (function == solve_scene) hint_at_faster_solver(loaded.resolved.setup);
   RunResult result;
   {
     std::optional<ProgressBar> condensing("condensing");

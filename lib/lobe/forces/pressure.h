@@ -1,6 +1,6 @@
 // The force term of pressure on faces of the body (setup/pressures.h), which follows cuts.
 //
-// The force on a corner turns at a right angle to the motion of that corner, so that the term adds no diagonal
+// The force on a corner turns at a right angle to the motion of that corner, so the term adds no diagonal
 // stiffness: ∂f_a/∂x_a = −p/6 [c − b]× is antisymmetric.
 #pragma once
 

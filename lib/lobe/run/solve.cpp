@@ -1,5 +1,6 @@
 #include "lobe/run/solve.h"
 
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <nlohmann/json.hpp>
@@ -10,6 +11,7 @@
 #include "lobe/file/atomic_file.h"
 #include "lobe/run/reactions.h"
 #include "lobe/solve/quadratic_solver.h"
+#include "lobe/text.h"
 
 namespace lobe {
 namespace {
@@ -32,11 +34,21 @@ nlohmann::ordered_json report_of(const Scene& scene, const StaticResult& solutio
           {"factor", solution.factor},
           {"factor_nonzeros", solution.factor_nonzeros},
           {"damped_iterations", solution.damped},
+          {"buckling_load_fraction", solution.buckling},
           {"elastic_energy", solution.energy},
           {"volume", current_volume(elements, solution.u)},
           {"largest_displacement", solution.u.colwise().norm().maxCoeff()},
           {"smallest_volume_ratio", solution.smallest_volume_ratio},
           {"worst_tetrahedron", solution.worst_tet}};
+}
+
+bool is_loaded(const Setup& setup) {
+  const auto any = [](const auto& list, auto&& acts) { return std::any_of(list.begin(), list.end(), acts); };
+  return setup.gravity != Vec3d::Zero() ||
+         any(setup.prescribed, [](const auto& p) { return p.displacement != Vec3d::Zero(); }) ||
+         any(setup.face_loads, [](const auto& load) { return load.traction != Vec3d::Zero(); }) ||
+         any(setup.vertex_loads, [](const auto& load) { return load.force != Vec3d::Zero(); }) ||
+         any(setup.pressures, [](const auto& load) { return load.pressure != 0; });
 }
 
 }  // namespace
@@ -53,6 +65,14 @@ RunResult solve_scene(const Scene& scene, const Resolved& resolved, const RunOpt
   RunResult result;
   result.ok = solution.converged;
   result.warnings = resolved.warnings;
+  if (!is_loaded(resolved.setup))
+    result.warnings.push_back(
+        "nothing loads the body, neither gravity nor a force, traction, pressure or displacement: it stays "
+        "as "
+        "it is");
+  if (solution.converged && solution.buckling > 0)
+    result.warnings.push_back("the body has buckled at about " + rounded(100 * solution.buckling) +
+                              " % of the load: it has other equilibria than this one");
   if (!scene.tools.empty()) result.warnings.push_back("tools are ignored in a static solution");
   if (!solution.converged) result.warnings.push_back(solution.reason);
   std::error_code error;

@@ -19,6 +19,8 @@ class Discretisation {
   // See Tangent, whose functions these are.
   virtual std::unique_ptr<SparseFactor> make_factor(const SparseFactorMaker& wanted) const = 0;
   virtual bool factorise(SparseFactor& factor, bool& damped) = 0;
+  // Factorises the tangent as it is. Returns whether it is positive definite.
+  virtual bool is_stable(SparseFactor& factor) = 0;
   virtual Eigen::VectorXd solve(const SparseFactor& factor, const Eigen::VectorXd& forces) const = 0;
   virtual Eigen::VectorXd solve(const SparseFactor& factor, const Eigen::VectorXd& forces,
                                 const Mat3X<double>& u, const Mat3X<double>& w) const = 0;

@@ -1,12 +1,20 @@
 #include "lobe/solve/equilibrium.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "lobe/solve/newton.h"
 #include "lobe/text.h"
 
 namespace lobe {
 namespace {
+
+constexpr int most_bisections = 24;
+// St Venant-Kirchhoff has no stable state below the stretch 1/√3; slender bodies buckle at small strains.
+constexpr double least_volume_ratio = 0.7;
+
+constexpr double near_limit = 0.12;     // of the load at which stability is lost
+constexpr int most_tries_at_limit = 3;  // of equilibria beyond it
 
 std::string most_compressed(Index tet) {  // for messages; −1: none is known
   return tet < 0 ? "" : "tetrahedron " + std::to_string(tet) + " is the most compressed, and ";
@@ -27,6 +35,9 @@ class Equilibrium : public NewtonProblem {
 
   // Goes on from result.u, the equilibrium at another fraction. The result changes only on success.
   bool find(double fraction);
+  // The fraction at which the tangent ceases to be positive definite, if the body goes on from result.u as it
+  // begins to. 0: it does not up to `fraction`, or a tetrahedron collapses first. Costs some dozen factors.
+  double loss_of_stability(double fraction);
   const char* reason() const { return reason_; }  // of the last equilibrium that was not found
 
   NewtonPoint at(const Mat3X<double>& u) const override;
@@ -35,6 +46,8 @@ class Equilibrium : public NewtonProblem {
  private:
   bool factorise(const Mat3X<double>& u);
   bool follow_boundary(NewtonPoint& point);
+  void show_progress(const NewtonPoint& at) const;
+  bool is_stable(const Mat3X<double>& u);
   Mat3X<double> spring_forces(const Mat3X<double>& u) const;
   void finish(const Mat3X<double>& u);
 
@@ -83,9 +96,44 @@ bool Equilibrium::factorise(const Mat3X<double>& u) {
 }
 
 bool Equilibrium::direction(const NewtonPoint& at, Mat3X<double>& direction) {
+  show_progress(at);
   if (!factorise(at.u)) return false;
   direction = eq_.unknowns.scatter(body_.solve(*factor_, eq_.unknowns.gather(at.residual)));
   return true;
+}
+
+// The residual falls from its scale to the tolerance.
+void Equilibrium::show_progress(const NewtonPoint& at) const {
+  if (!options_.progress || !(at.scale > 0)) return;
+  const double share = std::log(at.residual.norm() / at.scale) / std::log(options_.tolerance);
+  options_.progress(result_.load_fraction +
+                    std::clamp(share, 0.0, 1.0) * (fraction_ - result_.load_fraction));
+}
+
+bool Equilibrium::is_stable(const Mat3X<double>& u) {
+  body_.update(u);
+  if (eq_.stiffness.cols() > 0) body_.add_diagonal(eq_.stiffness);
+  return body_.is_stable(*factor_);
+}
+
+double Equilibrium::loss_of_stability(double fraction) {
+  fraction_ = fraction;
+  const NewtonPoint start = at(result_.u);
+  if (!is_stable(start.u)) return 0;
+  Mat3X<double> way = fraction * eq_.prescribed - start.u;
+  for (Eigen::Index i = 0; i < way.size(); ++i)
+    if (eq_.unknowns.number.data()[i] >= 0) way.data()[i] = 0;
+  const Eigen::VectorXd residual = eq_.unknowns.gather(start.residual);
+  way += eq_.unknowns.scatter(body_.solve(*factor_, residual, start.u, way));
+  double stable = 0, unstable = 1;
+  if (is_stable(start.u + way)) return 0;
+  for (int i = 0; i < most_bisections && unstable - stable > 0.01 * unstable; ++i) {
+    const double middle = stable > 0 ? (stable + unstable) / 2 : unstable / 4;
+    (is_stable(start.u + middle * way) ? stable : unstable) = middle;
+  }
+  const bool collapses =
+      body_.energy_and_forces(start.u + unstable * way).smallest_volume_ratio < least_volume_ratio;
+  return collapses ? 0 : result_.load_fraction + unstable * (fraction - result_.load_fraction);
 }
 
 // Moves the boundary to the prescribed displacements of the load fraction; the body follows linearly at
@@ -132,6 +180,16 @@ bool Equilibrium::find(double fraction) {
   return true;
 }
 
+std::string reason_of(const StaticResult& result, const char* why) {
+  const std::string last = rounded(100 * result.load_fraction) + " % of the load";
+  if (result.buckling > 0)
+    return "the body loses its stability at about " + rounded(100 * result.buckling) +
+           " % of the load (buckling), and no equilibrium was found beyond " + last +
+           ": load it less, or hold it where it gives way";
+  return "no equilibrium beyond " + last + "; " + most_compressed(result.worst_tet) + why +
+         ": a volume_penalty, smaller loads or a finer mesh there may help";
+}
+
 }  // namespace
 
 StaticResult find_equilibrium(const StaticEquations& equations, Discretisation& body,
@@ -149,20 +207,26 @@ StaticResult find_equilibrium(const StaticEquations& equations, Discretisation& 
       result.u.setZero();
   }
   double step = 1;
-  while (result.load_fraction < 1) {
+  for (int failures = 0; result.load_fraction < 1;) {
     const double fraction = std::min(1.0, result.load_fraction + step);
+    const int damped_before = result.damped;
     if (equilibrium.find(fraction)) {
       result.load_fraction = fraction;
       ++result.load_steps;
       step *= 2;
+      failures = 0;
       if (options.progress) options.progress(fraction);
       continue;
     }
     step = std::min(step, 1 - result.load_fraction) / 2;
-    if (step >= options.smallest_load_step) continue;
-    result.reason = "no equilibrium beyond " + rounded(100 * result.load_fraction) + " % of the load; " +
-                    most_compressed(result.worst_tet) + equilibrium.reason() +
-                    ": a volume_penalty, smaller loads or a finer mesh there may help";
+    const double limit = result.damped > damped_before ? equilibrium.loss_of_stability(fraction) : 0;
+    if (limit > 0 && (result.buckling == 0 || result.load_fraction <= result.buckling))
+      result.buckling = limit;
+    if (limit > 0 && limit - result.load_fraction > near_limit * limit)  // goes nearer first
+      step = std::min(step, (1 - near_limit / 2) * (limit - result.load_fraction));
+    const bool is_far_enough = limit > 0 && ++failures == most_tries_at_limit;
+    if (!is_far_enough && step >= options.smallest_load_step * (limit > 0 ? limit : 1)) continue;
+    result.reason = reason_of(result, equilibrium.reason());
     return result;
   }
   result.converged = true;

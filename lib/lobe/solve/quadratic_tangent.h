@@ -18,6 +18,7 @@ class QuadraticTangent : public Discretisation {
   void add_diagonal(const Mat3X<double>& k) override;
   std::unique_ptr<SparseFactor> make_factor(const SparseFactorMaker& wanted) const override;
   bool factorise(SparseFactor& factor, bool& damped) override;
+  bool is_stable(SparseFactor& factor) override { return factor.factorise(matrix_); }
   Eigen::VectorXd solve(const SparseFactor& factor, const Eigen::VectorXd& forces) const override;
   Eigen::VectorXd solve(const SparseFactor& factor, const Eigen::VectorXd& forces, const Mat3X<double>& u,
                         const Mat3X<double>& w) const override;

@@ -31,7 +31,7 @@ StaticEquations equations_of(const Setup& setup, const Elements& elements) {
 class LinearTets : public Discretisation {
  public:
   LinearTets(const Elements& elements, const Unknowns& unknowns)
-      : elements_(elements), tangent_(elements, unknowns) {}
+      : elements_(elements), tangent_(elements, unknowns), unknowns_(unknowns.count) {}
 
   EnergyAndForces energy_and_forces(const Mat3X<double>& u) const override {
     return lobe::energy_and_forces(elements_, tangent_.averages(), u);
@@ -42,6 +42,10 @@ class LinearTets : public Discretisation {
     return tangent_.make_factor(wanted);
   }
   bool factorise(SparseFactor& factor, bool& damped) override { return tangent_.factorise(factor, damped); }
+  bool is_stable(SparseFactor& factor) override {
+    const SparseFactor::Matrix& matrix = tangent_.matrix();
+    return factor.factorise(matrix, matrix.rows() - unknowns_);  // pressures are negative
+  }
   Eigen::VectorXd solve(const SparseFactor& factor, const Eigen::VectorXd& forces) const override {
     return tangent_.solve(factor, forces);
   }
@@ -53,6 +57,7 @@ class LinearTets : public Discretisation {
  private:
   const Elements& elements_;
   Tangent tangent_;
+  Index unknowns_;
 };
 
 constexpr int most_rounds = 60;           // of equilibria under pressure

@@ -43,7 +43,7 @@ struct StaticResult {
   // The share of the loads at which the equilibrium loses its stability, though no tetrahedron is near its
   // limit: the body buckles. 0: none was met.
   double buckling = 0;
-  int damped = 0;                 // iterations in which the tangent was not positive definite and was damped
+  int damped = 0;  // iterations in which the tangent was not positive definite and was damped
 };
 
 // Finds the equilibrium under loads, pressures, gravity and prescribed displacements of the setup. Tools are

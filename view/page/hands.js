@@ -5,7 +5,6 @@ import {Blade} from './scalpel.js';
 // Of jaws, in openings: width, thickness and length of each, how far they reach behind the point that was
 // clicked, from how far they come, and from how near to where they are led they close.
 const jaws = {size: [0.3, 0.14, 0.5], depth: 0.35, from: 0.5, there: 0.03},
-  before = 1e-3, // a hit a ray begins that is to take hold there, of the organ's radius
   press = 0.6, // how far a probe is pressed in, of its radius
   betweenPoses = 7; // [ms]
 
@@ -109,7 +108,7 @@ export class Hands {
       this.ask({
         do: 'take',
         hand,
-        from: hit.point.clone().addScaledVector(ray.direction, -before * this.stage.size).toArray(),
+        from: this.organ.section.start(ray).toArray(),
         along: ray.direction.toArray(),
         radius: this.sizes.of('grasp'),
       });

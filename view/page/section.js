@@ -103,6 +103,12 @@ export class Section {
     face.scale.setScalar(3 * this.stage.size);
   }
 
+  /** From where a ray meets only what is drawn. */
+  start(ray) {
+    if (this.shows(ray.origin)) return ray.origin.clone();
+    return ray.intersectPlane(this.plane, new THREE.Vector3()) ?? ray.origin.clone();
+  }
+
   /** Whether a point is drawn. */
   shows(point) {
     return !this.isOn || this.plane.distanceToPoint(point) >= 0;

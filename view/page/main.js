@@ -13,6 +13,7 @@ import {History} from './history.js';
 import {DepthGauge} from './depth_gauge.js';
 import {showHaptic} from './haptic.js';
 import {Plot} from './plots.js';
+import {listenToPreferences} from './preferences.js';
 import {Section} from './section.js';
 import {graphics, Stage} from './stage.js';
 import {listenToKeys} from './keys.js';
@@ -412,6 +413,9 @@ class Page {
     };
     this.hands.onBlade = blade =>
       this.hint(blade ? `${inMillimetres(blade.depth)} deep; the wheel changes it` : '');
+    listenToPreferences((name, on) => {
+      if (name === 'light') this.stage.setTheme(on ? 'light' : 'dark');
+    });
     this.take('grasp');
     listenToKeys(this);
   }

@@ -2,8 +2,11 @@
 import {firstQuick, ladder, Quality} from './quality.js';
 import * as THREE from './third_party/three-0.187.0/three.module.js';
 
-const background = new THREE.Color(0x161d21),
-  plainBackground = new THREE.Color(0x203338);
+// Behind the organ, in either look of quality.js.
+const themes = {
+  dark: {fine: new THREE.Color(0x161d21), quick: new THREE.Color(0x203338), ground: 0x1d3a3f},
+  light: {fine: new THREE.Color(0xdde5e8), quick: new THREE.Color(0xd2dcdf), ground: 0xb4c6c9},
+};
 
 /** What draws here, in words; null where there is no WebGL. */
 export function graphics() {
@@ -35,6 +38,7 @@ export class Stage {
       ? new Quality(steps.slice(firstQuick(steps)), 0, {slow: 11, quick: 5})
       : new Quality(steps, 0);
     this.step = this.quality.step; // of quality.js, at which it draws
+    this.theme = themes.dark;
     this.onLook = []; // called when it has changed
     this.onQuality = []; // called with the step, when that has changed by itself
     this.camera = new THREE.PerspectiveCamera(28, 1, 0.01, 10);
@@ -104,10 +108,16 @@ export class Stage {
       shadow.map?.dispose();
       shadow.map = null;
     }
-    this.scene.background = fine ? background : plainBackground;
-    this.scene.fog = fine ? new THREE.Fog(background, 5 * this.size, 14 * this.size) : null;
+    this.scene.background = this.theme[step.look];
+    this.ground.material.color.set(this.theme.ground);
+    this.scene.fog = fine ? new THREE.Fog(this.theme.fine, 5 * this.size, 14 * this.size) : null;
     for (const f of this.onLook) f();
     this.resize();
+  }
+
+  setTheme(/** @type {'dark'|'light'} */ name) {
+    this.theme = themes[name];
+    this.draws(this.step);
   }
 
   /** What lays things flat on the ground, along the light. */

@@ -1,0 +1,43 @@
+// The light window and the details of the page, in a headless Chromium.
+// Usage: node browser_looks_test.mjs LOBE_VIEW SCENE MODULES OUT
+import {openPage, until} from './page_support.mjs';
+
+const {page, check, shot, end} = await openPage({width: 1280, height: 720});
+check(await until(page, () => window.lobe?.frames > 2 && lobe.organ.x), 'the page opens');
+
+const shown = () =>
+  page.evaluate(() =>
+    ['possible', 'step', 'tets', 'energy-plot'].filter(id => document.getElementById(id).offsetParent).join(),
+  );
+check((await shown()) === '', 'at first there are no figures about the simulation');
+await page.click('#details');
+check((await shown()) === 'possible,step,tets,energy-plot', 'with details there are');
+
+// How light a corner of the picture, and the panel, are.
+const light = () =>
+  page.evaluate(() => {
+    const panel = getComputedStyle(document.getElementById('panel')).backgroundColor.match(/\d+/g);
+    return [drawn()[0], Number(panel[0])];
+  });
+const [darkPicture, darkPanel] = await light();
+await page.click('#light');
+await page.waitForTimeout(500);
+const [lightPicture, lightPanel] = await light();
+check(
+  darkPicture < 80 && darkPanel < 80 && lightPicture > 180 && lightPanel > 180,
+  `a light window: picture ${darkPicture} to ${lightPicture}, panel ${darkPanel} to ${lightPanel} of 255`,
+);
+const written = await page.evaluate(() =>
+  ['.title b', '#tool-cautery', '#colour', '#sim-time'].filter(
+    selector => Number(getComputedStyle(document.querySelector(selector)).color.match(/\d+/g)[0]) > 100,
+  ),
+);
+check(written.length === 0, `and dark letters in it ${written}`);
+await shot('light');
+await page.reload();
+await until(page, () => window.lobe?.frames > 2 && lobe.organ.x);
+check(
+  (await page.isChecked('#light')) && (await page.isChecked('#details')) && (await light())[0] > 180,
+  'opened again, the page is as it was chosen',
+);
+await end();

@@ -382,6 +382,55 @@ TEST_CASE("a grasp may name copies, which cuts make, beside vertices of the mesh
         "/tools/0/where: must select a vertex of the mesh if regions are automatic");
 }
 
+// The bar has cells of 0.1 m. The quarters of the vertices at x = 0 reach to x = 0.075 at most, so a box up
+// to 0.08 holds them wholly, and cuts the quarters of the next ones.
+TEST_CASE("what is held by volume is held by shares") {
+  const char* by_volume = R"({"boundary": [{"fix": true, "hold_by": "volume",
+    "where": {"box": {"min": [-1, -1, -1], "max": [0.08, 1, 1]}}}]})";
+  const TetMesh mesh = bar();
+  std::vector<double> quarters(std::size_t(mesh.vertex_count()), 0);
+  for (Index t = 0; t < mesh.tet_count(); ++t)
+    for (const Index v : mesh.tets.col(t)) quarters[std::size_t(v)] += signed_volume(tet_points(mesh, t)) / 4;
+  const Resolved held = resolved(by_volume);
+  double sum = 0;
+  for (const PrescribedVertex& p : held.setup.prescribed) {
+    CHECK(mesh.points(0, p.vertex) == 0);
+    sum += quarters[std::size_t(p.vertex)];
+  }
+  for (const PartlyHeldVertex& p : held.setup.partly_held) {
+    CHECK(mesh.points(0, p.vertex) == near(0.1, 1e-12));
+    CHECK(p.axes == all_axes);
+    sum += p.share * quarters[std::size_t(p.vertex)];
+  }
+  CHECK(sum == near(0.08 * 0.01, 0.02));
+  CHECK(held.setup.prescribed.size() == 4);
+  CHECK(held.held[0].vertices.size() == 8);
+  CHECK(held.warnings.empty());
+  CHECK(to_json(parse_scene(to_json(scene(by_volume)))) == to_json(scene(by_volume)));
+  CHECK(parse_scene(to_json(scene(by_volume))).boundary[0].hold_by == HoldBy::volume);
+}
+
+TEST_CASE("a grasp by area has a share for each vertex, and copies are grasped wholly") {
+  const Resolved grasped = resolved(R"({"tools": [{"type": "grasp", "hold_by": "area", "copies": [20],
+    "where": {"sphere": {"center": [0.4, 0.05, 0.05], "radius": 0.06}}, "path": [[0, 0, 0, 0]]}]})");
+  const GraspSetup& grasp = grasped.setup.grasps[0];
+  REQUIRE(grasp.shares.size() == grasp.vertices.size());
+  CHECK(grasp.vertices.size() == 5);
+  CHECK(grasp.any_partly());
+  CHECK(grasp.vertices.back() == 20);
+  CHECK(grasp.shares.back() == 1);
+}
+
+TEST_CASE("shares are refused where they mean nothing") {
+  CHECK(faults(R"({"boundary": [{"force": [0, 0, 1], "hold_by": "area", "where": {"all": true}}]})") ==
+        "/boundary/0/hold_by: only \"fix\" and \"displacement\" hold");
+  CHECK(faults(R"({"boundary": [{"fix": true, "hold_by": "volume", "where": {"vertices": [0]}}]})")
+            .starts_with("/boundary/0/where: names vertices, which have no volume"));
+  CHECK(faults(R"({"boundary": [{"fix": true, "hold_by": "volume", "where": {"all": true}}],
+                   "time": {"integrator": "implicit"}})")
+            .starts_with("/boundary/0/hold_by: \"hold_by\": \"volume\" or \"area\" does not go with"));
+}
+
 TEST_CASE("a cautery that only passes through between two points is near") {
   CHECK(
       warnings(

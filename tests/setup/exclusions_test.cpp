@@ -56,6 +56,9 @@ void ask_for(Setup& setup, Option option) {
     case Option::selective_mass:
       setup.selective_mass = 5;
       break;
+    case Option::partly_held:
+      setup.partly_held.push_back({0, 0.5});
+      break;
     case Option::implicit:
       setup.integrator = Integrator::generalised_alpha;
       break;

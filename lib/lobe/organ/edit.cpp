@@ -295,6 +295,13 @@ Setup Organ<Real>::current_setup(CompactMesh& c) const {
     if (c.vertex_target[item.vertex] >= 0)
       setup.prescribed.push_back({c.vertex_target[item.vertex], goal, item.axes});
   }
+  setup.partly_held.clear();
+  for (const HeldVertices::Held& item : held().partly()) {
+    const bool grasped = item.holder != HeldVertices::boundary;
+    const Vec3d goal = grasped ? body_.hold_springs.target(item) : item.goal;
+    if (c.vertex_target[item.vertex] >= 0)
+      setup.partly_held.push_back({c.vertex_target[item.vertex], item.share, goal, item.axes});
+  }
   setup.face_loads = loads_of_parts(setup_.face_loads, body_.loads.dead_loads(), body.topology, c);
   setup.pressures = pressures_now(body_, c);
   setup.cut_frequency = std::sqrt(body_.inertia.floor().square);

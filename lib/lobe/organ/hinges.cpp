@@ -16,7 +16,7 @@ class HeldPlaces {
   // Whether the held vertices of this tetrahedron, with those before, fix a piece in all directions.
   bool add(Index tet) {
     for (Index v : model_.elements.topology.corners(tet)) {
-      if (!model_.held.holds(v)) continue;
+      if (!model_.held.anchors(v)) continue;
       const Vec3d X = model_.elements.points.col(v);
       if (count_ == 0)
         first_ = X;
@@ -65,7 +65,7 @@ std::vector<Index> hinged_tets(Model& model, const MeshEdit& edit) {
   bool may_have_lost_anchors = false;
   const auto is_held = [&](Index t) {
     const Eigen::Vector4i corners = model.elements.topology.corners(t);
-    return std::any_of(corners.begin(), corners.end(), [&](Index v) { return model.held.holds(v); });
+    return std::any_of(corners.begin(), corners.end(), [&](Index v) { return model.held.anchors(v); });
   };
   for (const std::vector<Index>& piece : edit.cut_off) {
     if (is_hinged(model, piece)) found.insert(found.end(), piece.begin(), piece.end());
@@ -74,7 +74,7 @@ std::vector<Index> hinged_tets(Model& model, const MeshEdit& edit) {
   const auto has_lost = [&](Index t) {  // a held vertex of which no tetrahedron is left
     const Eigen::Vector4i corners = model.elements.topology.corners(t);
     return std::any_of(corners.begin(), corners.end(), [&](Index v) {
-      return model.held.holds(v) && model.elements.topology.around(v).empty();
+      return model.held.anchors(v) && model.elements.topology.around(v).empty();
     });
   };
   if (std::any_of(edit.removed.begin(), edit.removed.end(), has_lost)) may_have_lost_anchors = true;

@@ -8,7 +8,7 @@ namespace {
 
 bool is_held(const Model& model, Index tet) {
   const Eigen::Vector4i v = model.elements.topology.corners(tet);
-  return std::any_of(v.begin(), v.end(), [&](Index corner) { return model.held.holds(corner); });
+  return std::any_of(v.begin(), v.end(), [&](Index corner) { return model.held.anchors(corner); });
 }
 
 bool is_held(const Model& model, const std::vector<Index>& piece) {
@@ -34,7 +34,7 @@ void Pieces::add(const Model& model, const std::vector<Index>& piece, bool was_h
 // are gone. If there are held tetrahedra left, they are near, so the search for one is short.
 bool Pieces::needs_all(Model& model, const MeshEdit& edit) const {
   Topology& topology = model.elements.topology;
-  const auto gone = [&](Index v) { return model.held.holds(v) && topology.around(v).empty(); };
+  const auto gone = [&](Index v) { return model.held.anchors(v) && topology.around(v).empty(); };
   const bool lost_a_holder = std::any_of(edit.cut_off.begin(), edit.cut_off.end(),
                                          [&](const auto& p) { return is_held(model, p); }) ||
                              std::any_of(edit.removed.begin(), edit.removed.end(), [&](Index t) {

@@ -17,12 +17,13 @@ namespace lobe {
 template <class Real>
 void Organ<Real>::hold(const HeldVertices& now) {
   const Index vertices = elements().topology.vertex_count();
-  if (!std::all_of(now.all().begin(), now.all().end(),
+  const std::vector<HeldVertices::Held> items = now.as_saved();
+  if (!std::all_of(items.begin(), items.end(),
                    [&](const HeldVertices::Held& item) { return item.is_valid() && item.vertex < vertices; }))
     throw InputError("held vertices", "one of them does not exist or is held at a place that is not finite");
   RegionEdit edit;
-  for (const HeldVertices::Held& item : held().all()) edit.vertices.push_back(item.vertex);
-  for (const HeldVertices::Held& item : now.all()) edit.vertices.push_back(item.vertex);
+  for (const HeldVertices::Held& item : held().as_saved()) edit.vertices.push_back(item.vertex);
+  for (const HeldVertices::Held& item : items) edit.vertices.push_back(item.vertex);
   sort_unique(edit.vertices);
   const auto change = [&] {
     body_.model.held = now;

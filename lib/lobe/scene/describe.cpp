@@ -152,6 +152,7 @@ ordered_json summarise(const Scene& scene, const Resolved& resolved) {
   summary["fixed_vertices"] = setup.prescribed.size() - static_cast<std::size_t>(moved + sliding);
   summary["sliding_vertices"] = sliding;
   summary["moved_vertices"] = moved;
+  if (!setup.partly_held.empty()) summary["partly_held_vertices"] = setup.partly_held.size();
   summary["loads"] = summarise_loads(setup);
   summary["tools"] = summarise_tools(scene, setup);
   summary["duration_s"] = scene.time.duration;

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <set>
 
+#include "lobe/scene/select_shares.h"
 #include "lobe/scene/tool_kinds.h"
 
 namespace lobe {
@@ -39,11 +40,25 @@ void add_copies(Resolution& resolution, const Tool& tool, const std::string& pla
   vertices.insert(vertices.end(), copies.begin(), copies.end());
 }
 
+struct Grasped {
+  std::vector<Index> vertices;
+  std::vector<double> shares;  // none: all wholly
+};
+
+Grasped select_grasped(const Setup& setup, const Tool& tool, const std::string& place) {
+  if (tool.hold_by == HoldBy::vertices) return {select_vertices(*tool.where, setup.mesh, place), {}};
+  Grasped grasped;
+  for (const auto& [vertex, share] : select_shares(*tool.where, setup.mesh, tool.hold_by, place)) {
+    grasped.vertices.push_back(vertex);
+    grasped.shares.push_back(share);
+  }
+  return grasped;
+}
+
 void resolve_grasp(Resolution& resolution, const Tool& tool, const std::string& here) {
   Setup& setup = resolution.result.setup;
   const std::size_t before = resolution.faults.size();
-  auto vertices =
-      resolution.selected([&] { return select_vertices(*tool.where, setup.mesh, here + "/where"); });
+  auto [vertices, shares] = resolution.selected([&] { return select_grasped(setup, tool, here + "/where"); });
   if (vertices.empty() && !tool.copies.empty() && resolution.scene.auto_regions)
     resolution.fail(here + "/where", "must select a vertex of the mesh if regions are automatic");
   if (vertices.empty() && tool.copies.empty() && resolution.faults.size() == before) {
@@ -60,7 +75,8 @@ void resolve_grasp(Resolution& resolution, const Tool& tool, const std::string& 
                               " it grasps are held by \"boundary\" in all components, and stay there");
   }
   add_copies(resolution, tool, here + "/copies", vertices);
-  setup.grasps.push_back({tool.name, vertices, tool.path, tool.release});
+  if (!shares.empty()) shares.resize(vertices.size(), 1);  // copies are grasped wholly
+  setup.grasps.push_back({tool.name, vertices, tool.path, tool.release, shares});
 }
 
 void summarise_grasp(const Setup& setup, std::size_t number, nlohmann::ordered_json& entry) {

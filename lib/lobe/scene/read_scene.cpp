@@ -118,9 +118,15 @@ Region read_region(const json& entry, const std::string& pointer) {
   return region;
 }
 
+HoldBy read_hold_by(const json& entry) {
+  const auto at = std::find(hold_by_names.begin(), hold_by_names.end(), entry.value("hold_by", "vertices"));
+  return static_cast<HoldBy>(at - hold_by_names.begin());  // the schema knows no others
+}
+
 Boundary read_boundary(const json& entry, const std::string& pointer) {
   Boundary boundary;
   boundary.where = read_selector(entry["where"]);
+  boundary.hold_by = read_hold_by(entry);
   boundary.pointer = pointer;
   const auto take = [&](const char* key, Boundary::Kind kind) {
     if (!entry.contains(key)) return;
@@ -149,6 +155,7 @@ Tool read_tool(const json& entry, const std::string& pointer) {
   tool.type = tool.name = entry["type"];
   read(entry, "name", tool.name);
   tool.where = read_where(entry);
+  tool.hold_by = read_hold_by(entry);
   const ToolKind& kind = kind_of(tool);
   kind.read(entry, tool);
   for (const json& row : entry["path"]) {

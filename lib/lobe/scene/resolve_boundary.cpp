@@ -2,6 +2,7 @@
 #include <array>
 
 #include "lobe/scene/resolve_parts.h"
+#include "lobe/scene/select_shares.h"
 
 namespace lobe {
 namespace {
@@ -18,7 +19,10 @@ class BoundaryResolver {
   void run() {
     const std::vector<Boundary>& entries = resolution_.scene.boundary;
     for (std::size_t i = 0; i < entries.size(); ++i) {
-      if (is_held(entries[i])) prescribe(entries[i], static_cast<int>(i));
+      if (is_held(entries[i]))
+        prescribe(entries[i], static_cast<int>(i));
+      else if (entries[i].hold_by != HoldBy::vertices)
+        resolution_.fail(place(i) + "/hold_by", "only \"fix\" and \"displacement\" hold");
     }
     write_prescribed();
     write_entries();
@@ -49,14 +53,34 @@ class BoundaryResolver {
     return vertices;
   }
 
-  // The first entry wins at each component of a vertex.
+  // Returns what an entry holds wholly, and lists what it holds by a share.
+  std::vector<Index> held_wholly(const Boundary& entry, int index, const std::string& where) {
+    if (entry.hold_by == HoldBy::vertices) return vertices_of(entry, where);
+    const std::size_t before = resolution_.faults.size();
+    const auto shares =
+        resolution_.selected([&] { return select_shares(entry.where, setup_.mesh, entry.hold_by, where); });
+    if (shares.empty() && resolution_.faults.size() == before)
+      resolution_.fail_empty(where, "part of the body");
+    std::vector<Index> wholly;
+    for (const auto& [vertex, share] : shares) {
+      if (share == 1) {
+        wholly.push_back(vertex);
+        continue;
+      }
+      setup_.partly_held.push_back({vertex, share, displacement(entry), entry.axes});
+      partly_held_by_.push_back(index);
+    }
+    return wholly;
+  }
+
+  // The first entry wins at each component of a vertex. Springs of several entries add up.
   void prescribe(const Boundary& entry, int index) {
     const std::string here = place(static_cast<std::size_t>(index));
     const Vec3d value = displacement(entry);
     std::size_t conflicts = 0;
     Index first = 0;
     int winner = nobody;
-    for (const Index v : vertices_of(entry, here + "/where")) {
+    for (const Index v : held_wholly(entry, index, here + "/where")) {
       const int before = conflict(v, entry, value);
       for (int i = 0; i < 3; ++i)
         if (int& holder = holder_[std::size_t(v)][i]; entry.axes[i] && holder == nobody) holder = index;
@@ -96,11 +120,31 @@ class BoundaryResolver {
         }
         entry.axes.back()[std::size_t(i)] = true;
       }
+    add_partly_held(held);
     for (std::size_t i = 0; i < entries.size(); ++i) {
       if (!is_held(entries[i])) continue;
       held[i].pointer = place(i);
       held[i].mesh_vertices = setup_.mesh.vertex_count();
       resolution_.result.held.push_back(std::move(held[i]));
+    }
+  }
+
+  // A force on a component counts for the first entry that holds it, wholly or by a share.
+  void add_partly_held(std::vector<HeldEntry>& held) const {
+    auto holder = holder_;
+    for (std::size_t p = 0; p < partly_held_by_.size(); ++p) {
+      const PartlyHeldVertex& partly = setup_.partly_held[p];
+      Axes first{};
+      for (int i = 0; i < 3; ++i) {
+        int& by = holder[std::size_t(partly.vertex)][i];
+        first[i] = partly.axes[i] && by == nobody;
+        if (first[i]) by = partly_held_by_[p];
+      }
+      if (first == Axes{}) continue;
+      HeldEntry& entry = held[std::size_t(partly_held_by_[p])];
+      const auto at = std::lower_bound(entry.vertices.begin(), entry.vertices.end(), partly.vertex);
+      entry.axes.insert(entry.axes.begin() + (at - entry.vertices.begin()), first);
+      entry.vertices.insert(at, partly.vertex);
     }
   }
 
@@ -115,7 +159,7 @@ class BoundaryResolver {
       }
       if (prescribed.axes != Axes{}) setup_.prescribed.push_back(prescribed);
     }
-    if (setup_.prescribed.empty()) {
+    if (setup_.prescribed.empty() && setup_.partly_held.empty()) {
       resolution_.warn(
           "", "nothing is fixed: the body floats; add {\"fix\": true, \"where\": …} to \"boundary\"");
     }
@@ -182,6 +226,7 @@ class BoundaryResolver {
   Resolution& resolution_;
   Setup& setup_;
   std::vector<std::array<int, 3>> holder_;  // per vertex and component: the entry that holds it
+  std::vector<int> partly_held_by_;         // entries, of each of Setup::partly_held
   std::vector<TetFace> outer_;
 };
 

@@ -68,6 +68,16 @@ std::vector<std::string> places_of(const Scene& scene, Option option) {
       if (scene.contact.is_on()) places.push_back("/contact");
       return places;
     }
+    case Option::partly_held: {
+      std::vector<std::string> places =
+          places_in(scene.boundary, "/boundary", "hold_by",
+                    [](const Boundary& entry) { return entry.hold_by != HoldBy::vertices; });
+      const std::vector<std::string> of_tools =
+          places_in(scene.tools, "/tools", "hold_by",
+                    [](const Tool& tool) { return tool.hold_by != HoldBy::vertices; });
+      places.insert(places.end(), of_tools.begin(), of_tools.end());
+      return places;
+    }
     case Option::expandable:
     case Option::single_precision:
     case Option::static_solution:

@@ -12,6 +12,7 @@ constexpr std::size_t most_named = 5;
 std::vector<char> held_from_the_start(const Setup& setup) {
   std::vector<char> held(std::size_t(setup.mesh.vertex_count()), 0);
   for (const PrescribedVertex& p : setup.prescribed) held[std::size_t(p.vertex)] = 1;
+  for (const PartlyHeldVertex& p : setup.partly_held) held[std::size_t(p.vertex)] = 1;
   for (const GraspSetup& grasp : setup.grasps)
     for (const Index v : grasp.vertices)
       if (v < setup.mesh.vertex_count()) held[std::size_t(v)] = 1;
@@ -23,7 +24,7 @@ std::vector<char> held_from_the_start(const Setup& setup) {
 // Of a body that nothing holds at all another warning says so, and one that an obstacle may carry has none.
 void warn_of_unheld_pieces(Resolution& resolution) {
   const Setup& setup = resolution.result.setup;
-  if (setup.prescribed.empty() || !setup.contact.obstacles.empty()) return;
+  if ((setup.prescribed.empty() && setup.partly_held.empty()) || !setup.contact.obstacles.empty()) return;
   std::vector<std::vector<Index>> open = Topology(setup.mesh).pieces();
   std::vector<char> held = held_from_the_start(setup);
   const auto touches = [&](Index tet) {

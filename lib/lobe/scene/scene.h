@@ -70,6 +70,11 @@ struct Selector {
       value;
 };
 
+// What of a selection is held: the vertices in it, each wholly, or each vertex by the share of its volume, or
+// of its area of the surface, that lies in it (select_shares.h).
+enum class HoldBy : std::uint8_t { vertices, volume, area };
+inline constexpr std::array<const char*, 3> hold_by_names{"vertices", "volume", "area"};
+
 // ---- What the scene is made of. `pointer` is the JSON pointer of the entry, for messages ("" if built in
 // code).
 struct FibreDirection {
@@ -139,9 +144,10 @@ struct AutoRegions {
 struct Boundary {
   enum class Kind { fix, displacement, traction, force, pressure };
   Kind kind = Kind::fix;
-  Vec3d value = Vec3d::Zero();  // displacement [m], traction [Pa], total force [N]
-  double pressure = 0;          // [Pa], positive where it pushes into the body
-  Axes axes = all_axes;         // displacement: the components that are prescribed
+  Vec3d value = Vec3d::Zero();        // displacement [m], traction [Pa], total force [N]
+  double pressure = 0;                // [Pa], positive where it pushes into the body
+  Axes axes = all_axes;               // displacement: the components that are prescribed
+  HoldBy hold_by = HoldBy::vertices;  // fix, displacement
   Selector where;
   std::string pointer;
 };
@@ -150,6 +156,7 @@ struct Tool {
   std::string name;
   std::string type = GraspSetup::type;  // as tool_kinds.h has them
   std::optional<Selector> where;        // grasp: the vertices it takes hold of
+  HoldBy hold_by = HoldBy::vertices;    // grasp
   std::vector<Index> copies;   // grasp: vertices that earlier cuts make, numbered after those of the mesh
   double radius = 0;           // cautery: of its spherical tip [m]
   double snap = 0.1;           // scalpel: a vertex nearer to the cut than this share of its edges lies on it

@@ -10,6 +10,7 @@
 #include <set>
 
 #include "lobe/error.h"
+#include "lobe/scene/inside.h"
 
 namespace lobe {
 namespace {
@@ -118,23 +119,15 @@ class Evaluation {
   Mask mask(const SelectAll&, const std::string&) const { return Mask(size(), 1); }
 
   Mask mask(const SelectBox& box, const std::string&) const {
-    return where([&](const Vec3d& x) {
-      return (x.array() >= box.min.array()).all() && (x.array() <= box.max.array()).all();
-    });
+    return where([&](const Vec3d& X) { return is_inside(box, X); });
   }
 
   Mask mask(const SelectSphere& sphere, const std::string&) const {
-    return where([&](const Vec3d& x) { return (x - sphere.center).norm() <= sphere.radius; });
+    return where([&](const Vec3d& X) { return is_inside(sphere, X); });
   }
 
   Mask mask(const SelectPlane& plane, const std::string&) const {
-    const Vec3d n = plane.normal.stableNormalized();
-    return where([&](const Vec3d& x) {
-      const double height = n.dot(x - plane.point);
-      if (plane.side == SelectPlane::Side::above) return height >= 0;
-      if (plane.side == SelectPlane::Side::below) return height <= 0;
-      return std::abs(height) <= plane.within;
-    });
+    return where([&](const Vec3d& X) { return is_inside(plane, X); });
   }
 
   // Equal distances: the lower index first.

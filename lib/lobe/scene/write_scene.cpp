@@ -127,6 +127,10 @@ ordered_json write(const AutoRegions& regions) {
             {"gestures", gestures}}}};
 }
 
+void add_hold_by(ordered_json& entry, HoldBy by) {
+  if (by != HoldBy::vertices) entry["hold_by"] = hold_by_names[std::size_t(by)];
+}
+
 ordered_json write(const Boundary& boundary) {
   static constexpr const char* kinds[] = {"fix", "displacement", "traction", "force", "pressure"};
   if (boundary.kind == Boundary::Kind::pressure)
@@ -135,7 +139,10 @@ ordered_json write(const Boundary& boundary) {
       boundary.kind == Boundary::Kind::fix ? ordered_json(true) : vector_json(boundary.value);
   for (std::size_t i = 0; i < 3; ++i)
     if (boundary.kind == Boundary::Kind::displacement && !boundary.axes[i]) value[i] = nullptr;
-  return {{kinds[static_cast<int>(boundary.kind)], value}, {"where", selector(boundary.where)}};
+  ordered_json entry = {{kinds[static_cast<int>(boundary.kind)], value}};
+  add_hold_by(entry, boundary.hold_by);
+  entry["where"] = selector(boundary.where);
+  return entry;
 }
 
 ordered_json write(const Tool& tool) {
@@ -144,6 +151,7 @@ ordered_json write(const Tool& tool) {
     path.push_back({row.time, row.position[0], row.position[1], row.position[2]});
   ordered_json entry = {{"name", tool.name}, {"type", tool.type}};
   add_where(entry, tool.where);
+  add_hold_by(entry, tool.hold_by);
   entry["path"] = path;
   kind_of(tool).write(tool, entry);
   return entry;

@@ -117,9 +117,14 @@ std::uint8_t bits(const Axes& axes) {
 void HeldVertices::hold(Held item) {
   if (item.vertex >= static_cast<Index>(held_.size())) held_.resize(std::size_t(item.vertex) + 1, 0);
   std::uint8_t& held = held_[item.vertex];
+  if (item.share < 1) {
+    held |= is_drawn;
+    partly_.push_back(item);
+    return;
+  }
   for (int i = 0; i < 3; ++i) item.axes[i] = item.axes[i] && (held >> i & 1) == 0;
   if (item.axes == Axes{}) return;
-  if (held == 0 || !joins(item)) items_.push_back(item);
+  if ((held & all_components) == 0 || !joins(item)) items_.push_back(item);
   held |= bits(item.axes);
 }
 
@@ -143,12 +148,19 @@ void HeldVertices::release(int holder) {
   for (const Held& item : items_)
     if (item.holder == holder) held_[item.vertex] &= static_cast<std::uint8_t>(~bits(item.axes));
   std::erase_if(items_, [&](const Held& item) { return item.holder == holder; });
+  if (std::erase_if(partly_, [&](const Held& item) { return item.holder == holder; }) > 0) find_drawn();
+}
+
+void HeldVertices::find_drawn() {
+  for (std::uint8_t& held : held_) held &= all_components;
+  for (const Held& item : partly_) held_[item.vertex] |= is_drawn;
 }
 
 void HeldVertices::free(Index vertex) {
-  if (!holds(vertex)) return;
+  if (!anchors(vertex)) return;
   held_[vertex] = 0;
-  std::erase_if(items_, [&](const Held& item) { return item.vertex == vertex; });
+  for (std::vector<Held>* items : {&items_, &partly_})
+    std::erase_if(*items, [&](const Held& item) { return item.vertex == vertex; });
 }
 
 int HeldVertices::holder_of(Index v) const {
@@ -156,20 +168,31 @@ int HeldVertices::holder_of(Index v) const {
 }
 
 void HeldVertices::split(Index vertex, Index copy) {
-  if (!holds(vertex)) return;
-  const std::size_t count = items_.size();
-  for (std::size_t i = 0; i < count; ++i) {
-    if (items_[i].vertex != vertex) continue;
-    Held item = items_[i];
+  if (!anchors(vertex)) return;
+  for (Held item : as_saved()) {
+    if (item.vertex != vertex) continue;
     item.vertex = copy;
     hold(item);
   }
+}
+
+std::vector<HeldVertices::Held> HeldVertices::as_saved() const {
+  std::vector<Held> all = items_;
+  all.insert(all.end(), partly_.begin(), partly_.end());
+  return all;
 }
 
 HeldVertices held_by(const std::vector<PrescribedVertex>& prescribed) {
   HeldVertices held;
   for (const PrescribedVertex& p : prescribed)
     held.hold({p.vertex, HeldVertices::boundary, Vec3d::Zero(), p.displacement, p.axes});
+  return held;
+}
+
+HeldVertices held_by(const Setup& setup) {
+  HeldVertices held = held_by(setup.prescribed);
+  for (const PartlyHeldVertex& p : setup.partly_held)
+    held.hold({p.vertex, HeldVertices::boundary, Vec3d::Zero(), p.displacement, p.axes, p.share});
   return held;
 }
 

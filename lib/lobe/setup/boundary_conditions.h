@@ -45,7 +45,8 @@ double opening_at(const std::vector<PathPoint>& path, double time);  // of jaws 
 
 // Held vertices: boundary conditions (holder 0) or a grasp (holder: its ToolId, above 0) prescribe their
 // displacement. The first holder of a component of a vertex keeps it: a grasp moves the components that no
-// boundary condition holds.
+// boundary condition holds. Vertices of which a share below 1 is held are listed apart: they move by
+// themselves, and several holders may draw the same one.
 class HeldVertices {
  public:
   struct Held {
@@ -54,42 +55,52 @@ class HeldVertices {
     Vec3d start = Vec3d::Zero();  // displacement when it was taken hold of [m]
     Vec3d goal = Vec3d::Zero();   // holder 0: displacement after the ramp [m]
     Axes axes = all_axes;         // the components that are held
+    double share = 1;             // of the vertex that is held, above 0; 1: wholly
     bool operator==(const Held&) const = default;
     bool is_valid() const {  // as read back: no memory for vertices that no mesh has
-      return vertex >= 0 && vertex < 100'000'000 && start.allFinite() && goal.allFinite();
+      return vertex >= 0 && vertex < 100'000'000 && start.allFinite() && goal.allFinite() && share > 0 &&
+             share <= 1;
     }
     static constexpr auto fields =
-        std::tuple(&Held::vertex, &Held::holder, &Held::start, &Held::goal, &Held::axes);
+        std::tuple(&Held::vertex, &Held::holder, &Held::start, &Held::goal, &Held::axes, &Held::share);
   };
   static constexpr int boundary = 0;
 
   bool holds(Index v) const { return axes_of(v) != 0; }
   bool fixes(Index v) const { return axes_of(v) == 7; }  // in all components
-  int holder_of(Index v) const;                          // of one that is held; O(#held)
+  // Whether anything keeps it near a place: it is held, wholly or by a share.
+  bool anchors(Index v) const { return v < static_cast<Index>(held_.size()) && held_[v] != 0; }
+  int holder_of(Index v) const;  // of one that is held; O(#held)
   const std::vector<Held>& all() const { return items_; }
+  const std::vector<Held>& partly() const { return partly_; }  // of a share below 1
 
-  bool operator==(const HeldVertices& other) const { return items_ == other.items_; }
-  const std::vector<Held>& as_saved() const { return items_; }
+  bool operator==(const HeldVertices&) const = default;
+  std::vector<Held> as_saved() const;
   static HeldVertices from_saved(const std::vector<Held>& items) {
     HeldVertices held;
     for (const Held& item : items) held.hold(item);
     return held;
   }
 
-  void hold(Held item);  // those of its components that are free
+  void hold(Held item);  // those of its components that are free; by a share below 1: all that it says
   void release(int holder);
   void free(Index vertex);
   void split(Index vertex, Index copy);  // the copy is held as the vertex is
 
  private:
   bool joins(const Held& item);
-  std::uint8_t axes_of(Index v) const { return v < static_cast<Index>(held_.size()) ? held_[v] : 0; }
+  void find_drawn();
+  std::uint8_t axes_of(Index v) const {
+    return v < static_cast<Index>(held_.size()) ? held_[v] & all_components : 0;
+  }
 
-  std::vector<Held> items_;
-  std::vector<std::uint8_t> held_;  // per vertex: one bit per component
+  static constexpr std::uint8_t all_components = 7, is_drawn = 8;
+  std::vector<Held> items_, partly_;
+  std::vector<std::uint8_t> held_;  // per vertex: one bit per component, and whether it is partly held
 };
 
-// What the boundary conditions hold.
+// What the boundary conditions hold wholly, and with those that they hold by a share.
 HeldVertices held_by(const std::vector<PrescribedVertex>& prescribed);
+HeldVertices held_by(const Setup& setup);
 
 }  // namespace lobe

@@ -124,6 +124,13 @@ void Checker::check_boundary() {
              }),
          "a prescribed vertex is out of range, its displacement not finite, or none of its components "
          "prescribed");
+  expect(all(setup_.partly_held,
+             [&](const PartlyHeldVertex& p) {
+               return is_vertex(p.vertex) && p.share > 0 && p.share < 1 && p.displacement.allFinite() &&
+                      p.axes != Axes{};
+             }),
+         "a partly held vertex is out of range, its share not between 0 and 1, its displacement not finite, "
+         "or none of its components drawn");
   expect(all(setup_.vertex_loads,
              [&](const VertexLoad& l) { return is_vertex(l.vertex) && l.force.allFinite(); }),
          "a loaded vertex is out of range, or its force not finite");

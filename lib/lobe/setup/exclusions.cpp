@@ -29,6 +29,17 @@ constexpr Exclusion table[] = {
      "use \"nonlinear\""},
     {Option::edge_smoothed, Option::automatic, "linear regions are of plain tetrahedra",
      "leave one of them out"},
+    {Option::partly_held, Option::precomputed, "a precomputed region knows wholly held vertices only",
+     "use \"tensor-mass\" or \"nonlinear\""},
+    {Option::partly_held, Option::reduced, "nodes of its lattice know wholly held vertices only",
+     "use \"nonlinear\""},
+    {Option::partly_held, Option::automatic, "estimated errors are of wholly held vertices",
+     "leave one of them out"},
+    {Option::partly_held, Option::implicit, "its tangent does not know their springs",
+     "use the explicit integrator"},
+    {Option::partly_held, Option::sleep, "springs of what sleeps are not watched", "leave one of them out"},
+    {Option::partly_held, Option::selective_mass, "it couples masses that the springs add to",
+     "leave one of them out"},
     {Option::other_law, Option::stored, "its energy is no polynomial of degree 4 in displacements",
      "use \"direct\""},
     {Option::nodal_pressure, Option::other_law, "it averages the pressure of St Venant-Kirchhoff",
@@ -95,6 +106,8 @@ const char* name(Option option) {
       return "\"integrator\": \"implicit\"";
     case Option::single_precision:
       return "single precision";
+    case Option::partly_held:
+      return "\"hold_by\": \"volume\" or \"area\"";
     case Option::static_solution:
       return "a static solution";
   }
@@ -103,6 +116,12 @@ const char* name(Option option) {
 
 std::span<const Exclusion> exclusions() { return table; }
 std::span<const Exclusion> material_exclusions() { return table_of_material; }
+
+bool any_partly_held(const Setup& setup) {
+  return !setup.partly_held.empty() ||
+         std::any_of(setup.grasps.begin(), setup.grasps.end(),
+                     [](const GraspSetup& grasp) { return grasp.any_partly(); });
+}
 
 std::optional<Option> option_of(RegionModel model) {
   if (model == RegionModel::tensor_mass) return Option::tensor_mass;
@@ -126,6 +145,7 @@ Options options_of(const Setup& setup) {
   used.add(Option::sleep, setup.sleep > 0);
   used.add(Option::selective_mass, setup.selective_mass > 1);
   used.add(Option::force_terms, !setup.probes.empty() || setup.contact.is_on() || !setup.pressures.empty());
+  used.add(Option::partly_held, any_partly_held(setup));
   used.add(Option::implicit, setup.integrator == Integrator::generalised_alpha);
   return used;
 }

@@ -34,9 +34,10 @@ enum class Option : std::uint8_t {
   single_precision,
   static_solution,
   tensor_mass,
-  edge_smoothed
+  edge_smoothed,
+  partly_held  // Setup::partly_held, GraspSetup::shares
 };
-inline constexpr std::size_t option_count = std::size_t(Option::edge_smoothed) + 1;
+inline constexpr std::size_t option_count = std::size_t(Option::partly_held) + 1;
 const char* name(Option option);  // as a scene says it: "model": "precomputed"
 
 class Options {  // a set of them
@@ -67,6 +68,7 @@ struct Exclusion {
 std::span<const Exclusion> exclusions();
 std::span<const Exclusion> material_exclusions();
 
+bool any_partly_held(const Setup& setup);  // by the boundary or a grasp
 Options options_of(const Setup& setup);
 std::optional<Option> option_of(RegionModel model);  // which tetrahedra of this model use
 

@@ -49,6 +49,16 @@ struct PrescribedVertex {
       std::tuple(&PrescribedVertex::vertex, &PrescribedVertex::displacement, &PrescribedVertex::axes);
 };
 
+// A vertex that is held by a share φ: a spring draws it to where it is prescribed (body/hold_springs.h).
+struct PartlyHeldVertex {
+  Index vertex = 0;
+  double share = 0;                    // φ, above 0 and below 1
+  Vec3d displacement = Vec3d::Zero();  // [m]
+  Axes axes = all_axes;                // the components that are drawn
+  static constexpr auto fields = std::tuple(&PartlyHeldVertex::vertex, &PartlyHeldVertex::share,
+                                            &PartlyHeldVertex::displacement, &PartlyHeldVertex::axes);
+};
+
 inline constexpr int highest_mass_degree = 16;  // of selective mass scaling
 
 enum class LoosePieces : std::uint8_t { fall, vanish, stay };  // what becomes of pieces that nothing holds
@@ -62,6 +72,7 @@ inline const char* name(Integrator i) { return i == Integrator::generalised_alph
 // Body has the mesh, its materials and the region of each tetrahedron.
 struct Setup : Body, ToolSetups {
   std::vector<PrescribedVertex> prescribed;
+  std::vector<PartlyHeldVertex> partly_held;
   std::vector<FaceLoad> face_loads;
   std::vector<VertexLoad> vertex_loads;
   std::vector<FacePressure> pressures;
@@ -91,11 +102,11 @@ struct Setup : Body, ToolSetups {
   // What decides how a world moves, for fingerprint(): no names.
   static constexpr auto fields = std::tuple_cat(
       Body::fields,
-      std::tuple(&Setup::prescribed, &Setup::face_loads, &Setup::vertex_loads, &Setup::pressures,
-                 &Setup::gravity, &Setup::evaluator, &Setup::loose_pieces, &Setup::damping, &Setup::safety,
-                 &Setup::cut_step, &Setup::cut_frequency, &Setup::selective_mass, &Setup::integrator,
-                 &Setup::implicit_step, &Setup::spectral_radius, &Setup::ramp, &Setup::load_ramp,
-                 &Setup::sleep, &Setup::lattice_cell, &Setup::expandable, &Setup::contact),
+      std::tuple(&Setup::prescribed, &Setup::partly_held, &Setup::face_loads, &Setup::vertex_loads,
+                 &Setup::pressures, &Setup::gravity, &Setup::evaluator, &Setup::loose_pieces, &Setup::damping,
+                 &Setup::safety, &Setup::cut_step, &Setup::cut_frequency, &Setup::selective_mass,
+                 &Setup::integrator, &Setup::implicit_step, &Setup::spectral_radius, &Setup::ramp,
+                 &Setup::load_ramp, &Setup::sleep, &Setup::lattice_cell, &Setup::expandable, &Setup::contact),
       ToolSetups::fields);
 };
 

@@ -34,6 +34,14 @@ void GraspSetup::check(const Expect& expect) const {
   check_path(*this, expect);
   expect(std::all_of(vertices.begin(), vertices.end(), [](Index v) { return v >= 0; }),
          called(*this) + " names a vertex below 0");
+  expect(shares.empty() || shares.size() == vertices.size(),
+         called(*this) + " needs a share for each vertex, or none");
+  expect(std::all_of(shares.begin(), shares.end(), [](double share) { return share > 0 && share <= 1; }),
+         called(*this) + " has a share that is not above 0 and up to 1");
+}
+
+bool GraspSetup::any_partly() const {
+  return std::any_of(shares.begin(), shares.end(), [](double share) { return share < 1; });
 }
 
 void CauterySetup::check(const Expect& expect) const {

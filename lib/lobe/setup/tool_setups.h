@@ -29,8 +29,12 @@ struct GraspSetup {
   std::vector<Index> vertices;
   std::vector<PathPoint> path;  // offsets
   bool release = false;
+  // Of each vertex: the share that is held, above 0 and up to 1 (PartlyHeldVertex); none: all wholly.
+  std::vector<double> shares = {};
+  bool any_partly() const;
   void check(const Expect& expect) const;
-  static constexpr auto fields = std::tuple(&GraspSetup::vertices, &GraspSetup::path, &GraspSetup::release);
+  static constexpr auto fields =
+      std::tuple(&GraspSetup::vertices, &GraspSetup::path, &GraspSetup::release, &GraspSetup::shares);
 };
 
 struct CauterySetup {

@@ -14,7 +14,7 @@ namespace lobe {
 namespace {
 
 template <class Real>
-constexpr io::Format format{std::is_same_v<Real, float> ? "lobestaf" : "lobestad", 25,
+constexpr io::Format format{std::is_same_v<Real, float> ? "lobestaf" : "lobestad", 26,
                             std::is_same_v<Real, float> ? "state of a world in single precision"
                                                         : "state of a world in double precision"};
 
@@ -71,7 +71,7 @@ void check_fits(const Checkpoint<Real>& c, const Organ<Real>& organ) {
     if (const auto* kind = find_kind_of_term<Real>(term.name))
       kind->make(organ.setup())->load(term.saved, vertices);
   for (Index t : c.unravelling.tets) fits = fits && t >= 0 && std::size_t(t) < tets;
-  for (const HeldVertices::Held& item : c.held.all())
+  for (const HeldVertices::Held& item : c.held.as_saved())
     fits = fits && item.vertex >= 0 && item.vertex < vertices &&
            (item.holder == HeldVertices::boundary || is_holder(item.holder));
   if (!fits) refuse();
@@ -165,6 +165,7 @@ void World<Real>::take(const Checkpoint<Real>& c) {
   organ_.limit().set_ratios(c.ratios);
   organ_.limit().set_frame_limit(c.limit, body());
   if (organ_.implicit()) organ_.implicit()->set_acceleration(body().model, c.acceleration);
+  aim_hold_springs();
 }
 
 // ---- Files

@@ -160,6 +160,17 @@ void validate_held(const Dynamics<Real>& body) {
           "held: a vertex that there is not");
     check(body.model.held.holds(item.vertex), "held: an entry that does not hold its vertex");
   }
+  for (const HeldVertices::Held& item : body.model.held.partly()) {
+    check(item.is_valid() && item.share < 1 && item.vertex < body.model.elements.topology.vertex_count(),
+          "held: a share of a vertex that there is not, or a share that is none");
+    check(body.model.held.anchors(item.vertex), "held: a share that does not anchor its vertex");
+  }
+  if (!body.hold_springs.is_current(body.model.revisions)) return;
+  check(body.hold_springs.all().size() == body.model.held.partly().size(), "held: a share without a spring");
+  for (const auto& spring : body.hold_springs.all()) {
+    const double k = hold_stiffness(body.model.elements, spring.item);
+    check(std::abs(spring.stiffness - k) <= 1e-12 * k, "held: the stiffness of a spring");
+  }
 }
 
 template <class Real>

@@ -51,6 +51,17 @@ void add_tool_forces(const Dynamics<Real>& body, double dt, Tools& tools) {
     for (const OnTool& on_tool : term->on_tools()) tools.add_force(on_tool, dt);
 }
 
+// The same of the springs by which it holds a part of a vertex.
+template <class Real>
+void add_forces_of_springs(const Dynamics<Real>& body, double dt, Tools& tools) {
+  for (const auto& spring : body.hold_springs.all()) {
+    if (spring.item.holder == HeldVertices::boundary) continue;
+    const Index v = spring.item.vertex;
+    const Vec3d x = body.model.elements.points.col(v) + body.motion.u.col(v).template cast<double>();
+    tools.add_force(spring.item.holder, spring.force, x, dt);
+  }
+}
+
 }  // namespace
 
 template <class Real>
@@ -78,14 +89,24 @@ void World<Real>::apply(const Command& command) {
 template <class Real>
 void World<Real>::move(double dt) {
   Motion<Real>& motion = body().motion;
+  aim_hold_springs();
   add_tool_forces(body(), dt, tools_);
   body().restore_held_components();
   body().sleep.update(body(), [&](Index v) { return organ_.limit().bounded_square(v); });
   body().push(motion.velocity_lag + dt / 2, dt);
+  add_forces_of_springs(body(), dt, tools_);
   motion.velocity_lag = dt / 2;
   motion.time += dt;
   move_driven(dt);
   organ_.end_step(dt);
+}
+
+template <class Real>
+void World<Real>::aim_hold_springs() {
+  if (held().partly().empty() && !body().hold_springs.any()) return;
+  tools_.place(time());
+  body().aim_hold_springs(
+      [&](const HeldVertices::Held& item) { return prescribed_displacement(item, time()); });
 }
 
 // Moves held vertices to where boundary conditions and grasps prescribe.
@@ -108,6 +129,7 @@ void World<Real>::move_driven(double dt) {
   }
   if (!woken.empty()) body().sleep.wake(woken, body());
   motion.speeds.driven = std::sqrt(fastest);
+  aim_hold_springs();
 }
 
 template <class Real>

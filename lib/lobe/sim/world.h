@@ -107,6 +107,7 @@ class World {
   Eigen::Map<const Mat3X<Real>> forces();  // 3 × #vertices, internal and external, at the current state [N]
   Energies energies() {
     organ_.refresh_terms();
+    aim_hold_springs();
     return body().energies();
   }
 
@@ -134,6 +135,7 @@ class World {
   bool run_steps(int steps, double dt, bool first_try, Report& report);
   void move(double dt);
   void move_driven(double dt);
+  void aim_hold_springs();
   Vec3d prescribed_displacement(const HeldVertices::Held& item, double time) const;
   bool implicit_step(double dt);
 

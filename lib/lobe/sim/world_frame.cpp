@@ -256,6 +256,7 @@ void World<Real>::advance_to(double end, Report& report) {
     if (done && ((step <= limit_after && unseen.empty()) || attempt == most_tries - 1)) {
       if (!unseen.empty()) organ_.notice(Condition::Kind::lost_force, lost_on_lattice(unseen.front()));
       body().motion.time = end;
+      aim_hold_springs();
       report.time_step = report.time_step > 0 ? std::min(report.time_step, step) : step;
       if (attempt > 0) report.conditions.push_back(sub_stepped(attempt + 1, steps, start.time));
       return;

@@ -33,10 +33,13 @@ bool is_held(const Elements& elements, const std::vector<Index>& piece,
   return J.rows() >= 6 && qr.rank() == 6;
 }
 
-void refuse_floating_pieces(const Elements& elements, const Unknowns& unknowns) {
+void refuse_floating_pieces(const Elements& elements, const Unknowns& unknowns,
+                            const Mat3X<double>& springs) {
   std::vector<std::vector<Index>> open = elements.topology.pieces();
   std::vector<std::uint8_t> anchored(std::size_t(elements.topology.vertex_count()), 0);
-  const auto is_prescribed = [&](Index v, int axis) { return unknowns.number(axis, v) < 0 || anchored[v]; };
+  const auto is_prescribed = [&](Index v, int axis) {
+    return unknowns.number(axis, v) < 0 || anchored[v] || (v < springs.cols() && springs(axis, v) > 0);
+  };
   for (std::size_t before = open.size() + 1; before > open.size() && !open.empty();) {
     before = open.size();
     std::erase_if(open, [&](const std::vector<Index>& piece) {

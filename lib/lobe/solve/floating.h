@@ -14,7 +14,8 @@ bool is_held(const Elements& elements, const std::vector<Index>& piece,
 
 // Throws InputError that names the first piece (tetrahedra that are connected by faces) whose given
 // components do not hold it against all six rigid motions. Vertices that it shares with a piece which is held
-// count as given.
-void refuse_floating_pieces(const Elements& elements, const Unknowns& unknowns);
+// count as given, and so do components with a spring: 3 × #vertices [N/m], or no column.
+void refuse_floating_pieces(const Elements& elements, const Unknowns& unknowns,
+                            const Mat3X<double>& springs = Mat3X<double>(3, 0));
 
 }  // namespace lobe

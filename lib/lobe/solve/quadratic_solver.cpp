@@ -1,5 +1,6 @@
 #include "lobe/solve/quadratic_solver.h"
 
+#include "lobe/error.h"
 #include "lobe/setup/check_setup.h"
 #include "lobe/solve/floating.h"
 #include "lobe/solve/quadratic_tangent.h"
@@ -68,6 +69,8 @@ void add_traction(const TetMesh& mesh, const QuadraticMesh& nodes, const FaceLoa
 StaticEquations quadratic_equations(const Setup& setup, const QuadraticMesh& mesh) {
   if (!setup.pressures.empty())
     throw InputError("pressure", "is not known on 10-node tetrahedra: leave --quadratic out");
+  if (any_partly_held(setup))
+    throw InputError("quadratic elements", "know wholly held vertices only: use \"hold_by\": \"vertices\"");
   const Given given(setup);
   StaticEquations equations{free_nodes(mesh, given), mesh.joined_linearly(given.displacements),
                             Mat3X<double>::Zero(3, mesh.node_count())};

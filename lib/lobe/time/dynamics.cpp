@@ -20,7 +20,7 @@ std::vector<Index> of_all(const Terms& terms, Vertices&& vertices_of) {
 
 template <class Real>
 Dynamics<Real>::Dynamics(const Setup& setup, int threads, const CondensingLog::Progress& condensing)
-    : model{Elements(setup), held_by(setup.prescribed), {}},
+    : model{Elements(setup), held_by(setup), {}},
       regions(setup, condensing),
       loads(model.elements, setup),
       inertia(setup),
@@ -67,6 +67,7 @@ template <class Real>
 Energies Dynamics<Real>::energies() {
   Energies e = energies_without_terms();
   for (const auto& term : terms) e.applied += term->energy(here());
+  e.applied += hold_springs.energy(motion.u.padded());
   return e;
 }
 
@@ -104,6 +105,8 @@ Vec3d Dynamics<Real>::reaction(int holder) {
     for (int i = 0; i < 3; ++i)
       if (item.axes[i]) sum[i] -= double(motion.forces(i, item.vertex)) + inside[i];
   }
+  for (const auto& spring : hold_springs.all())
+    if (spring.item.holder == holder) sum += hold_springs.force_now(spring, motion.u.padded());
   return sum;
 }
 
@@ -119,6 +122,10 @@ void Dynamics<Real>::restore_held_components() {
 
 template <class Real>
 void Dynamics<Real>::push(double kick, double dt) {
+  if (hold_springs.any()) {  // a push without a step ends the last one, of which `kick` is half
+    const double step = dt > 0 ? dt : 2 * kick;
+    hold_springs.apply(inertia.inverse_mass(), step, motion.u.padded(), motion.forces.padded());
+  }
   if (inertia.is_selective()) {
     prepare_inertia();
     inertia.apply(parallel, motion.forces.padded());

@@ -4,6 +4,7 @@
 
 #include <memory>
 
+#include "lobe/body/hold_springs.h"
 #include "lobe/forces/force_term.h"
 #include "lobe/time/inertia.h"
 #include "lobe/time/sleep.h"
@@ -13,7 +14,7 @@ namespace lobe {
 struct Energies {  // [J]
   double kinetic = 0, elastic_linear = 0, elastic_nonlinear = 0;
   double loads = 0;    // −(gravity and dead loads) · u
-  double applied = 0;  // of force terms
+  double applied = 0;  // of force terms, and of the springs of partly held vertices
   double elastic() const { return elastic_linear + elastic_nonlinear; }
   double total() const { return kinetic + elastic() + loads + applied; }
 };
@@ -26,6 +27,7 @@ struct Dynamics {
   Motion<Real> motion;
   Regions<Real> regions;
   Loads<Real> loads;
+  HoldSprings<Real> hold_springs;
   std::vector<std::shared_ptr<ForceTerm<Real>>> terms;
   Inertia<Real> inertia;
   Sleep sleep;
@@ -42,6 +44,13 @@ struct Dynamics {
   Energies energies();
   Energies energies_without_terms();  // of forces
   Vec3d reaction(int holder);         // force that the holder must apply now [N]
+
+  // Where the springs of partly held vertices draw them now: prescribed(item), a displacement [m].
+  template <class Prescribed>
+  void aim_hold_springs(Prescribed&& prescribed) {
+    hold_springs.follow(model);
+    hold_springs.aim(motion.time, prescribed);
+  }
 
   // Advances velocities and displacements by dt [s] with the forces of the last evaluation, which it
   // overwrites. Forces act for the time `kick`: half of the last step and half of this one.

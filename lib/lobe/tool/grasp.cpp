@@ -36,7 +36,7 @@ void Grasp::begin_frame(double time, double end) {
 
 std::vector<GraspSetup> Grasp::paths() const {
   if (path.empty()) return {};
-  return {{name, vertices, path.all(), release}};
+  return {{name, vertices, path.all(), release, shares}};
 }
 
 std::optional<PlacedTool> Grasp::placed(double time, const HeldPoints& held) const {
@@ -54,6 +54,9 @@ std::optional<PlacedTool> Grasp::placed(double time, const HeldPoints& held) con
 }
 
 bool Grasp::fits(Index vertex_count) const {
+  if (!shares.empty() && shares.size() != vertices.size()) return false;
+  for (const double share : shares)
+    if (!(share > 0 && share <= 1)) return false;
   for (Index v : vertices)
     if (v < 0 || (is_live && v >= vertex_count)) return false;
   if (path.empty() && (!is_live || phase != Phase::waiting)) return false;

@@ -24,9 +24,10 @@ struct Grasp {
   ToolId id = 0;
   std::string name;
   std::vector<Index> vertices;
-  GrowingPath path;      // of its centre: offsets from where it took hold, and turns since
-  bool release = false;  // after the last row
-  bool is_live = false;  // its path grows
+  std::vector<double> shares;  // as in GraspSetup
+  GrowingPath path;            // of its centre: offsets from where it took hold, and turns since
+  bool release = false;        // after the last row
+  bool is_live = false;        // its path grows
   Phase phase = Phase::waiting;
   Vec3d centre = Vec3d::Zero();         // mean of its vertices where it took hold [m]
   std::optional<ToolPose> target = {};  // at the end of the next frame
@@ -35,7 +36,11 @@ struct Grasp {
 
   Grasp() = default;
   explicit Grasp(const GraspSetup& setup)
-      : name(setup.name), vertices(setup.vertices), path(setup.path), release(setup.release) {}
+      : name(setup.name),
+        vertices(setup.vertices),
+        shares(setup.shares),
+        path(setup.path),
+        release(setup.release) {}
   explicit Grasp(const TakeHold& command) : name(command.name), vertices(command.vertices), is_live(true) {}
 
   void lead(const ToolPose& to) { target = to; }
@@ -51,13 +56,15 @@ struct Grasp {
   std::optional<PlacedTool> placed(double time, const HeldPoints& held) const;  // none: it holds nothing
   bool fits(Index vertex_count) const;
 
+  double share_of(std::size_t place) const { return shares.empty() ? 1 : shares[place]; }
+
   // When it takes hold and lets go by its present path; infinite if the path does not say.
   double takes_hold_at() const;
   double lets_go_at() const;
 
-  static constexpr auto fields =
-      std::tuple(&Grasp::id, &Grasp::name, &Grasp::vertices, &Grasp::path, &Grasp::release, &Grasp::is_live,
-                 &Grasp::phase, &Grasp::centre, &Grasp::target, &Grasp::force, &Grasp::torque);
+  static constexpr auto fields = std::tuple(&Grasp::id, &Grasp::name, &Grasp::vertices, &Grasp::shares,
+                                            &Grasp::path, &Grasp::release, &Grasp::is_live, &Grasp::phase,
+                                            &Grasp::centre, &Grasp::target, &Grasp::force, &Grasp::torque);
 };
 
 }  // namespace lobe

@@ -235,6 +235,7 @@ void Tools::set_state(const State& state) {
   lists_ = state;
   gone_ = state.gone;
   next_ = state.next;
+  frame_end_ = std::numeric_limits<double>::infinity();  // until a frame begins
   list_present();
 }
 

@@ -149,15 +149,16 @@ bool Tools::update_grasps(double time, HeldVertices& held, Displacement&& displa
   bool changed = false;
   for (Grasp& grasp : lists_.grasps) {
     if (grasp.phase == Grasp::Phase::waiting && time >= grasp.takes_hold_at() - just_before) {
-      Index count = 0;
+      double sum = 0;
       grasp.centre.setZero();
-      for (Index v : grasp.vertices) {
+      for (std::size_t i = 0; i < grasp.vertices.size(); ++i) {
+        const Index v = grasp.vertices[i];
         if (!exists(v)) continue;
-        held.hold({v, grasp.id, displacement(v), Vec3d::Zero()});
-        grasp.centre += position(v);
-        ++count;
+        held.hold({v, grasp.id, displacement(v), Vec3d::Zero(), all_axes, grasp.share_of(i)});
+        grasp.centre += grasp.share_of(i) * position(v);
+        sum += grasp.share_of(i);
       }
-      if (count > 0) grasp.centre /= count;
+      if (sum > 0) grasp.centre /= sum;
       grasp.phase = Grasp::Phase::holding;
       changed = true;
     }
@@ -174,8 +175,9 @@ template <class Position>
 std::vector<PlacedTool> Tools::placed(double time, const HeldVertices& held, Position&& position) const {
   const HeldPoints points_of = [&](ToolId id) {
     std::vector<std::pair<Index, Vec3d>> points;
-    for (const HeldVertices::Held& item : held.all())
-      if (item.holder == id) points.emplace_back(item.vertex, position(item.vertex));
+    for (const auto* items : {&held.all(), &held.partly()})
+      for (const HeldVertices::Held& item : *items)
+        if (item.holder == id) points.emplace_back(item.vertex, position(item.vertex));
     return points;
   };
   std::vector<PlacedTool> all;

@@ -51,6 +51,8 @@ void check_labels(const MeshOptions& options, const Model& model, std::vector<Fa
   if (options.mesher != Mesher::tetgen) return;
   if (!options.label_edges.empty() || !options.balls.empty())
     faults.push_back({"--mesher tetgen", "makes edges of one length only: use --mesher cgal for a sizing"});
+  if (model.shares_walls())
+    faults.push_back({"--mesher tetgen", "does not keep walls that surfaces share: use --mesher cgal"});
   if (model.is_image())
     faults.push_back({"--mesher tetgen", "fills closed surfaces only: use --mesher cgal for a label image"});
 }

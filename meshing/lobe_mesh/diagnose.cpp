@@ -248,6 +248,19 @@ std::string in_words(const Diagnosis& d) {
   return text.str();
 }
 
+namespace {
+
+// The lowest of these numbers, each once: an inverted piece has all of its triangles.
+std::vector<Index> first_of(const std::vector<Index>& numbers) {
+  constexpr std::size_t most = 100;
+  const std::set<Index> sorted(numbers.begin(), numbers.end());
+  std::vector<Index> first(sorted.begin(), sorted.end());
+  if (first.size() > most) first.resize(most);
+  return first;
+}
+
+}  // namespace
+
 std::string in_json(const Diagnosis& d) {
   nlohmann::ordered_json json;
   json["vertices"] = d.points;
@@ -261,12 +274,11 @@ std::string in_json(const Diagnosis& d) {
   json["volume"] = d.volume;
   json["cavities"] = d.cavities;
   for (const Finding* finding : d.findings()) {
-    const std::set<Index> triangles(finding->triangles.begin(), finding->triangles.end());
     json["findings"].push_back({{"name", finding->name},
                                 {"count", finding->count},
                                 {"places", finding->places},
-                                {"triangles", triangles},
-                                {"vertices", finding->points}});
+                                {"triangles", first_of(finding->triangles)},
+                                {"vertices", first_of(finding->points)}});
   }
   json["inverted"] = d.inverted;
   json["closed"] = d.closed();

@@ -73,10 +73,11 @@ void measure(const TetMesh& mesh, const Model& model, const MeshOptions& options
   report.quality = mesh_quality(mesh);
   report.surface_volume = model.total_volume();
   report.volume_error = 100 * (report.quality.volume / report.surface_volume - 1);
-  report.mean_edge = regular_edge(report.quality.volume / report.tets);
+  report.mean_edge = report.quality.mean_edge;
   report.time_step = rest_time_step(mesh, {options.lambda, options.mu, options.density});
   const double wave_speed = std::sqrt((options.lambda + 2 * options.mu) / options.density);
-  const double edge = report.shortest_edge < report.edge ? report.shortest_edge : report.mean_edge;
+  const double edge = report.shortest_edge < report.edge ? report.shortest_edge
+                                                         : regular_edge(report.quality.volume / report.tets);
   report.time_step_star = report.time_step * wave_speed / edge;
   const double poisson_ratio = options.lambda / (2 * (options.lambda + options.mu));
   report.bottleneck = slowest_vertex(mesh, {.edge = edge, .poisson_ratio = poisson_ratio});

@@ -82,6 +82,10 @@ void add_features(Domain& domain, const Model& model) {
       for (const Index v : feature) line.emplace_back(points(0, v), points(1, v), points(2, v));
     }
   }
+  for (const Mat3X<double>& junction : model.junctions) {
+    auto& line = lines.emplace_back();
+    for (const auto& p : junction.colwise()) line.emplace_back(p.x(), p.y(), p.z());
+  }
   if (!lines.empty()) domain.add_features(lines.begin(), lines.end());
 }
 
@@ -99,7 +103,8 @@ TetMesh mesh_with_cgal(const Model& model, const MeshingRun& run) {
     Counted<Domain> domain(polyhedra.begin(), polyhedra.end(), sides.begin(), sides.end(), &random);
     domain.run = &run;
     add_features(domain, model);
-    return refine(domain, run, CGAL::parameters::manifold());
+    return refine(domain, run,
+                  model.shares_walls() ? CGAL::parameters::non_manifold() : CGAL::parameters::manifold());
   });
 }
 

@@ -11,6 +11,7 @@
 #include "lobe/error.h"
 #include "lobe_mesh/diagnose.h"
 #include "lobe_mesh/label_grid.h"
+#include "lobe_mesh/shared_walls.h"
 #include "lobe_mesh/steps.h"
 
 namespace lobe::meshing {
@@ -20,25 +21,9 @@ std::string surface_name(std::size_t k, std::size_t count) {
   return count == 1 ? "surface" : "surface " + std::to_string(k);
 }
 
-// Number of the surface that a triangle of joined_surface() comes from.
-std::size_t surface_of(const std::vector<Surface>& surfaces, Index triangle) {
-  std::size_t k = 0;
-  while (triangle >= surfaces[k].triangle_count()) triangle -= surfaces[k++].triangle_count();
-  return k;
-}
-
-void refuse_intersections(const std::vector<Surface>& surfaces) {
+bool touch(const std::vector<Surface>& surfaces) {
   const Surface all = joined_surface(surfaces);
-  const UnitBox unit(all);
-  const auto pairs = self_intersections({unit.to_unit(all.points), all.triangles});
-  if (pairs.empty()) return;
-  const std::size_t a = surface_of(surfaces, pairs[0].first), b = surface_of(surfaces, pairs[0].second);
-  const Vec3d p = all.points.col(all.triangles(0, pairs[0].first));
-  throw InputError("surfaces " + std::to_string(a) + " and " + std::to_string(b),
-                   "touch or intersect near (" + std::to_string(p.x()) + ", " + std::to_string(p.y()) + ", " +
-                       std::to_string(p.z()) +
-                       ") m: one must lie inside the other or apart from it; --voxels EDGE meshes surfaces "
-                       "that share walls or overlap");
+  return !self_intersections({UnitBox(all).to_unit(all.points), all.triangles}, 1).empty();
 }
 
 int find_parent(const std::vector<Surface>& surfaces, std::size_t k) {
@@ -75,13 +60,15 @@ int Model::region_at(const Vec3d& point) const {
 
 double Model::total_volume() const { return std::accumulate(volumes.begin(), volumes.end(), 0.0); }
 
-Model make_model(std::vector<Surface> surfaces) {
+Model make_model(std::vector<Surface> surfaces, std::size_t cavities) {
+  if (cavities >= surfaces.size()) throw InputError("cavities", "need a surface around them");
   for (std::size_t k = 0; k < surfaces.size(); ++k) {
     const UnitBox unit(surfaces[k]);
     if (!diagnose({unit.to_unit(surfaces[k].points), surfaces[k].triangles}).meshable())
       throw InputError(surface_name(k, surfaces.size()), "not closed and manifold: repair it first");
   }
-  if (surfaces.size() > 1) refuse_intersections(surfaces);
+  if (cavities > 0 || (surfaces.size() > 1 && touch(surfaces)))
+    return make_model_of_walls(surfaces, cavities);
   Model model;
   model.surfaces = std::move(surfaces);
   model.features.resize(model.surfaces.size());

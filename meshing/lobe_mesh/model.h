@@ -19,7 +19,8 @@ struct Sides {
 };
 
 // Of closed surfaces, region k is what surface k encloses, without what the surfaces inside it enclose. Of an
-// image, surface k is where two regions meet; it is not closed, and its neighbours share its border.
+// image, and of closed surfaces that share walls or bound cavities, surface k is where two regions meet; it
+// need not be closed, and its neighbours share its border.
 struct Model {
   std::vector<Surface> surfaces;                // [m]
   std::vector<Sides> sides;                     // of each surface
@@ -27,18 +28,20 @@ struct Model {
   std::vector<int> labels;                      // of each region, in what is written
   std::vector<double> volumes;                  // [m³] of each region
   std::vector<std::string> warnings;
-  std::vector<Mat3X<double>> junctions;           // [m] of an image: lines where three or more regions meet
+  std::vector<Mat3X<double>> junctions;           // [m] lines where three or more regions meet
   std::function<int(const Vec3d&)> image_region;  // of an image, −1: background; else empty
 
   bool is_image() const { return static_cast<bool>(image_region); }
+  bool shares_walls() const { return !is_image() && !junctions.empty(); }
   int region_count() const { return static_cast<int>(labels.size()); }
   int region_of(int label) const;           // −1: there is no such label
   int region_at(const Vec3d& point) const;  // −1: outside. O(#triangles)
   double total_volume() const;              // [m³] of all regions
 };
 
-// Throws InputError if a surface is not closed and manifold, or if two of them touch or intersect.
-Model make_model(std::vector<Surface> surfaces);
+// The last `cavities` surfaces bound space that is not meshed. Throws InputError if a surface is not closed
+// and manifold, or if two of them intersect or touch other than in the same triangles (shared_walls.h).
+Model make_model(std::vector<Surface> surfaces, std::size_t cavities = 0);
 
 // Throws InputError for what is no segmentation, see label_grid.h.
 Model make_model(const LabelImage& image, double smoothing);  // [voxels]

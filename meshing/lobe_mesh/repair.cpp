@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <sstream>
 
 #include "lobe/error.h"
@@ -13,6 +14,7 @@
 #include "lobe_mesh/diagnose.h"
 #include "lobe_mesh/errors.h"
 #include "lobe_mesh/nearest.h"
+#include "lobe_mesh/orient.h"
 #include "lobe_mesh/steps.h"
 
 namespace lobe::meshing {
@@ -43,18 +45,23 @@ void refuse_hopeless(const Surface& surface) {
   }
 }
 
-void refuse_unless_meshable(const Diagnosis& d, const std::string& remedy) {
-  if (d.meshable()) return;
-  std::vector<Fault> faults;
+// What keeps a surface from being meshed: at least one entry.
+std::vector<std::string> faults_of(const Diagnosis& d) {
+  std::vector<std::string> faults;
   for (const Finding* finding : d.findings()) {
     if (finding->count == 0 || finding == &d.duplicate_points || (d.inverted && finding == &d.wrong_sides))
       continue;
-    faults.push_back({"surface", finding->counted() + ", first: " + finding->places.front() + "; " + remedy});
+    faults.push_back(finding->counted() + ", first: " + finding->places.front());
   }
-  if (faults.empty()) {
-    const std::string what = d.inverted ? "inverted: its triangles face inwards" : "encloses no volume";
-    faults.push_back({"surface", what + "; " + remedy});
-  }
+  if (faults.empty())
+    faults.emplace_back(d.inverted ? "inverted: its triangles face inwards" : "encloses no volume");
+  return faults;
+}
+
+void refuse_unless_meshable(const Diagnosis& d, const std::string& remedy) {
+  if (d.meshable()) return;
+  std::vector<Fault> faults;
+  for (const std::string& fault : faults_of(d)) faults.push_back({"surface", fault + "; " + remedy});
   throw InputError(std::move(faults));
 }
 
@@ -217,9 +224,35 @@ class Climb {
     const auto measure = [&](const Surface& now) {
       ladder_.measure({unit_.to_unit(box.from_unit(now.points)), now.triangles});
     };
-    const Surface result =
-        scaled_back(repair_in_steps(surface, options_.largest_hole, report_, measure), box);
-    return {result, diagnose(result)};
+    if (std::optional<Repaired> turned = by_turning(surface, box)) return std::move(*turned);
+    try {
+      const Surface result =
+          scaled_back(repair_in_steps(surface, options_.largest_hole, report_, measure), box);
+      return {result, diagnose(result)};
+    } catch (const MeshingFailure& failure) {
+      std::string text;
+      for (const std::string& fault : faults_of(diagnose(scaled_back(surface, box)))) text += fault + "; ";
+      throw MeshingFailure(text + failure.what());
+    }
+  }
+
+  // Enough where triangles face the wrong way, and nothing else is wrong. None where it is not.
+  std::optional<Repaired> by_turning(const Surface& surface, const UnitBox& box) {
+    Turned turned;
+    const std::optional<Surface> upright = turned_outwards(surface, turned);
+    if (!upright) return {};
+    Repaired result{scaled_back(*upright, box), {}};
+    result.diagnosis = diagnose(result.surface);
+    if (!result.diagnosis.meshable()) return {};
+    const auto note_turned = [&](const std::string& name, Index count, const std::string& why) {
+      const std::string triangles = count == 1 ? " triangle " : " triangles ";
+      if (count > 0)
+        report_.steps.push_back({name, count, "turned " + std::to_string(count) + triangles + why});
+      ladder_.measure({unit_.to_unit(result.surface.points), result.surface.triangles});
+    };
+    note_turned("orient", turned.to_agree, "to agree with the neighbours");
+    note_turned("inverted", turned.outwards, "of an inverted piece to face outwards");
+    return result;
   }
 
   const Surface& cleaned_;

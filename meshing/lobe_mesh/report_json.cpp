@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include "lobe/text.h"
+#include "lobe_mesh/check_options.h"
 
 namespace lobe::meshing {
 namespace {
@@ -137,6 +138,7 @@ std::string in_words(const MeshReport& report) {
            << "°\n";
   }
   text << report.vertices << " vertices, " << report.tets << " tetrahedra of mean edge " << report.mean_edge
+       << " m, with the mean volume of regular ones of " << regular_edge(q.volume / report.tets)
        << " m (asked: " << report.edge << ")\n";
   if (report.parts.size() > 1) {
     for (const MeshReport::Part& part : report.parts)

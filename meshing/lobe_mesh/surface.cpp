@@ -16,7 +16,19 @@ namespace {
 
 using EdgeLengths = std::map<std::pair<Index, Index>, double>;
 
-EdgeLengths sharp_edges(const Surface& surface, double angle) {
+// Edges of three triangles or more.
+std::set<std::pair<Index, Index>> junctions_of(const Surface& surface) {
+  std::map<std::pair<Index, Index>, int> uses;
+  for (const auto& t : surface.triangles.colwise())
+    for (int k = 0; k < 3; ++k) ++uses[std::minmax(t[k], t[(k + 1) % 3])];
+  std::set<std::pair<Index, Index>> junctions;
+  for (const auto& [edge, count] : uses)
+    if (count > 2) junctions.insert(edge);
+  return junctions;
+}
+
+EdgeLengths sharp_edges(const Surface& surface, double angle,
+                        const std::set<std::pair<Index, Index>>& junctions) {
   std::map<std::pair<Index, Index>, Vec3d> first_normal;
   EdgeLengths sharp;
   const double limit = std::cos(angle * std::numbers::pi / 180);
@@ -27,7 +39,7 @@ EdgeLengths sharp_edges(const Surface& surface, double angle) {
       const std::pair<Index, Index> edge =
           std::minmax(surface.triangles(k, t), surface.triangles((k + 1) % 3, t));
       const auto [other, is_new] = first_normal.try_emplace(edge, normal);
-      if (!is_new && other->second.dot(normal) < limit) {
+      if (!is_new && (other->second.dot(normal) < limit || junctions.contains(edge))) {
         sharp[edge] = (surface.points.col(edge.first) - surface.points.col(edge.second)).norm();
       }
     }
@@ -35,8 +47,10 @@ EdgeLengths sharp_edges(const Surface& surface, double angle) {
   return sharp;
 }
 
-// Removes lines that end somewhere (a vertex with one edge) or turn by more than 60° without a branch.
-void drop_creases(const Surface& surface, EdgeLengths& edges) {
+// Removes lines that end somewhere (a vertex with one edge) or turn by more than 60° without a branch, but no
+// junctions.
+void drop_creases(const Surface& surface, const std::set<std::pair<Index, Index>>& junctions,
+                  EdgeLengths& edges) {
   for (bool changed = true; changed;) {
     std::map<Index, std::vector<Index>> next;
     for (const auto& [edge, length] : edges) {
@@ -50,9 +64,10 @@ void drop_creases(const Surface& surface, EdgeLengths& edges) {
       const Vec3d out = surface.points.col(around[1]) - surface.points.col(v);
       return in.dot(out) < 0.5 * in.norm() * out.norm();
     };
-    changed = std::erase_if(edges, [&](const auto& entry) {
-                return loose(entry.first.first) || loose(entry.first.second);
-              }) > 0;
+    changed =
+        std::erase_if(edges, [&](const auto& entry) {
+          return !junctions.contains(entry.first) && (loose(entry.first.first) || loose(entry.first.second));
+        }) > 0;
   }
 }
 
@@ -148,10 +163,11 @@ std::vector<Polyline> lines_of(const std::vector<std::pair<Index, Index>>& edges
 }
 
 FeatureLines feature_lines(const Surface& surface, double angle, double shortest, double finest) {
-  EdgeLengths edges = sharp_edges(surface, angle);
+  const auto junctions = junctions_of(surface);
+  EdgeLengths edges = sharp_edges(surface, angle, junctions);
   FeatureLines result;
   for (bool changed = true; changed;) {
-    drop_creases(surface, edges);
+    drop_creases(surface, junctions, edges);
     drop_short_groups(edges, shortest);
     std::vector<std::pair<Index, Index>> pairs;
     for (const auto& [edge, length] : edges) pairs.push_back(edge);

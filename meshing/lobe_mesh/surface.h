@@ -44,11 +44,12 @@ struct UnitBox {
 // One feature line: vertices in order, first = last for a closed one.
 using Polyline = std::vector<Index>;
 
-// Edges whose two triangles turn by more than `angle` [degrees], as lines from corner to corner. Creases of a
-// coarse or rough surface are left out: lines that end on a smooth part or zigzag, and connected groups
-// shorter than `shortest` [m]. The edges of a box and the rims of a cylinder stay. Lines from corner to
-// corner that are shorter than `finest` [m] are left out as well, with what then ends nowhere: a mesher that
-// keeps them makes edges as short as they are. Those are counted.
+// Edges whose two triangles turn by more than `angle` [degrees], and those of more triangles, as lines from
+// corner to corner. Creases of a coarse or rough surface are left out: lines of edges of two triangles that
+// end on a smooth part or zigzag, and connected groups shorter than `shortest` [m]. The edges of a box and
+// the rims of a cylinder stay. Lines from corner to corner that are shorter than `finest` [m] are left out as
+// well, with what then ends nowhere: a mesher that keeps them makes edges as short as they are. Those are
+// counted.
 struct FeatureLines {
   std::vector<Polyline> lines;
   Index fine = 0;                 // lines that were left out because they are short

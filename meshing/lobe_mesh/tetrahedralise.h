@@ -37,6 +37,8 @@ struct MeshOptions {
   // they are in any case.
   bool keep_thin = false;
   Mesher mesher = Mesher::cgal;
+  // How many of the surfaces, the last ones, bound cavities: what they enclose is not meshed.
+  std::size_t cavities = 0;
 
   double smoothing = 1;  // [voxels] of a label image's staircase: width of the Gaussian, see label_grid.h
 
@@ -94,7 +96,7 @@ struct MeshReport {
   double edge = 0;               // [m] as asked for, or chosen
   double shortest_edge = 0;      // [m] asked for anywhere
   double longest_edge = 0;       // [m] asked for in any label
-  double mean_edge = 0;          // [m] of the regular tetrahedron of mean volume
+  double mean_edge = 0;          // [m] as Quality has it
   Index vertices = 0;
   Index tets = 0;
   Index boundary_faces = 0;
@@ -102,7 +104,8 @@ struct MeshReport {
   double surface_volume = 0;  // [m³]
   double volume_error = 0;    // [%] of the mesh against the surface
   double time_step = 0;       // [s] largest stable step of the material
-  // time_step × wave speed / mean_edge (/ shortest_edge, if edges differ): independent of size and material.
+  // time_step × wave speed / edge of the regular tetrahedron of mean volume (/ shortest_edge, if edges
+  // differ): independent of size and material.
   double time_step_star = 0;
   Bottleneck bottleneck;
   // Of the input's surfaces (of an image: between smoothed labels) and the mesh's boundary and interfaces.
@@ -125,9 +128,10 @@ struct MeshReport {
   bool passes() const;           // the gate, with every label
 };
 
-// Surfaces must be what repair_surface() returns, each inside another one or apart from it; every piece of
-// them is meshed. The label of a tetrahedron is the number of the innermost surface around it; the triangles
-// between two labels belong to one tetrahedron of each. The same surfaces and options give the same mesh, bit
+// Surfaces must be what repair_surface() returns, each inside another one or apart from it, or with the same
+// triangles as others where it touches them; every piece of them is meshed. The label of a tetrahedron is the
+// number of the innermost surface around it; the triangles between two labels belong to one tetrahedron of
+// each. The same surfaces and options give the same mesh, bit
 // for bit. Throws InputError for options that make no sense for the surface, MeshingFailure if the meshers
 // give up.
 TetMesh tetrahedralise(const std::vector<Surface>& surfaces, const MeshOptions& options, MeshReport& report);

@@ -96,19 +96,19 @@ class Voxeliser {
 
 }  // namespace
 
-LabelImage voxelise(const std::vector<Surface>& surfaces, double edge) {
+LabelImage voxelise(const std::vector<Surface>& surfaces, double edge, std::size_t cavities) {
   if (!(std::isfinite(edge) && edge > 0)) throw InputError("--voxels", "must be a positive number");
   Voxeliser voxeliser(surfaces, edge);
   for (std::size_t k = 0; k < surfaces.size(); ++k)
-    voxeliser.add(surfaces[k], static_cast<std::int32_t>(k) + 1);
+    voxeliser.add(surfaces[k], k + cavities < surfaces.size() ? static_cast<std::int32_t>(k) + 1 : 0);
   return voxeliser.take();
 }
 
 TetMesh tetrahedralise_voxels(const std::vector<Surface>& surfaces, double voxel, const MeshOptions& options,
                               MeshReport& report) {
-  Model model = make_model(voxelise(surfaces, voxel), options.smoothing);
+  Model model = make_model(voxelise(surfaces, voxel, options.cavities), options.smoothing);
   for (int& label : model.labels) --label;
-  for (std::size_t k = 0; k < surfaces.size(); ++k)
+  for (std::size_t k = 0; k + options.cavities < surfaces.size(); ++k)
     if (model.region_of(static_cast<int>(k)) < 0)
       throw InputError("surface " + std::to_string(k),
                        "has no voxel of " + rounded(voxel) +

@@ -12,10 +12,12 @@
 
 namespace lobe::meshing {
 
-// A voxel has the number of the last surface that encloses its centre, from 1; 0 outside of all. Throws
-// InputError for an edge that is not positive, or so short that there would be more than half a billion
-// voxels. O(#voxels + Σ over the triangles of the voxels across that they cover).
-LabelImage voxelise(const std::vector<Surface>& surfaces, double edge);  // [m] of a voxel
+// A voxel has the number of the last surface that encloses its centre, from 1; 0 outside of all, and where
+// that surface is one of the last `cavities`. Throws InputError for an edge that is not positive, or so short
+// that there would be more than half a billion voxels. O(#voxels + Σ over the triangles of the voxels across
+// that they cover).
+LabelImage voxelise(const std::vector<Surface>& surfaces, double edge,  // [m] of a voxel
+                    std::size_t cavities = 0);
 
 // As tetrahedralise() of the surfaces, but they may share walls and overlap: later surfaces win. Sharp edges
 // are rounded by about a voxel, and parts thinner than two voxels may be lost. With Mesher::cgal only.

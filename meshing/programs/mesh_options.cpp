@@ -31,8 +31,8 @@ void check_image(const CLI::App& app, const Options& o, std::vector<Fault>& faul
   };
   only_for(!o.is_image() && o.voxels == 0, "--smoothing", "a label image, or to --voxels");
   only_for(o.voxels > 0, "--feature-angle", "surfaces without --voxels");
-  for (const char* option : {"--diagnose", "--repair", "--repaired", "--largest-hole", "--wrap-alpha",
-                             "--wrap-offset", "--feature-angle", "--voxels"})
+  for (const char* option : {"--diagnose", "--void", "--repair", "--repaired", "--largest-hole",
+                             "--wrap-alpha", "--wrap-offset", "--feature-angle", "--voxels"})
     only_for(o.is_image(), option, "surfaces, not to a label image");
   const auto images = std::count_if(o.surfaces.begin(), o.surfaces.end(), is_label_image);
   if (images > 0 && o.surfaces.size() > 1)
@@ -62,6 +62,9 @@ void check(const CLI::App& app, const Options& o) {
     if (o.surfaces.size() > 1 && app.count(option) > 0)
       faults.push_back({option, "looks at one surface at a time"});
   }
+  for (const char* option : {"--diagnose", "--repaired"})
+    if (!o.voids.empty() && app.count(option) > 0)
+      faults.push_back({"--void", std::string("not with ") + option});
   if (!o.diagnose && o.output.empty() && o.repaired.empty())
     faults.push_back({"--output", "missing: give -o MESH.vtu (or --diagnose, or --repaired SURFACE.ply)"});
   if (!o.output.empty() && !can_write_mesh(o.output)) {
@@ -148,8 +151,14 @@ void declare_body(CLI::App& app, Options& o) {
   app.add_option(
          "SURFACE", o.surfaces,
          "closed surfaces: .stl, .obj, .ply, .off or .vtp; the first is label 0, the next 1 …, one within "
-         "another or apart. Or one label image: .nrrd, .nhdr, .nii or .nii.gz")
+         "another, apart, or with the same triangles where they touch. Or one label image: .nrrd, .nhdr, "
+         ".nii or .nii.gz")
       ->required();
+  app.add_option(
+         "--void", o.voids,
+         "closed surface around a cavity, such as the inside of a bladder: nothing in it is meshed; can "
+         "be repeated")
+      ->allow_extra_args(false);
   app.add_option("-o,--output", o.output,
                  "mesh to write: .vtu, .vtk, .msh (4.1), .msh2 (2.2), .mesh or .node");
   app.add_option("--repaired", o.repaired,
@@ -222,6 +231,8 @@ void declare_options(CLI::App& app, Options& options) {
 void check_options(const CLI::App& app, Options& options) {
   check(app, options);
   read_sizing(options);
+  options.mesh.cavities = options.voids.size();
+  options.surfaces.insert(options.surfaces.end(), options.voids.begin(), options.voids.end());
 }
 
 }  // namespace lobe::meshing

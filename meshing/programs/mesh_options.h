@@ -13,7 +13,8 @@
 namespace lobe::meshing {
 
 struct Options {
-  std::vector<std::string> surfaces;
+  std::vector<std::string> surfaces;  // those that bound cavities last, once the options are checked
+  std::vector<std::string> voids;     // files of the surfaces that bound cavities
   std::string output, repaired, report, marked, picture;
   std::vector<std::string> label_edges, balls, sizes;
   double scale = 1;

@@ -4,6 +4,9 @@
 #include <cmath>
 #include <functional>
 
+#include "lobe/mesh/generators.h"
+#include "lobe_mesh/area.h"
+#include "lobe_mesh/clean.h"
 #include "lobe_mesh/diagnose.h"
 #include "lobe_mesh/interfaces.h"
 #include "lobe_mesh/tetrahedralise.h"
@@ -35,6 +38,12 @@ Surface between(const TetMesh& mesh, int label, int other) {
   for (std::size_t f = 0; f < faces.size(); ++f)
     for (int k = 0; k < 3; ++k) surface.triangles(k, f) = faces[f][k];
   return surface;
+}
+
+// A block whose surface has a grid of so many cells: those of neighbours match.
+Surface grid_block(const Vec3d& low, const Vec3d& size, int nx, int ny, int nz) {
+  CleanReport ignored;
+  return moved(clean(boundary_surface(box_mesh(size, nx, ny, nz)), ignored), low);
 }
 
 double mean_edge(const TetMesh& mesh, const std::function<bool(const Vec3d&)>& where) {
@@ -72,6 +81,50 @@ TEST_CASE("surfaces that touch or intersect are refused with their numbers and t
   const std::string message = input_error([&] { make_model({organ, tumour, moved(organ, {0.04, 0, 0})}); });
   CHECK(contains(message, "surfaces 0 and 2"));
   CHECK(contains(message, "--voxels EDGE"));
+}
+
+TEST_CASE("closed surfaces that share walls become labels that conform, with exact walls") {
+  const std::vector<Surface> layers = {grid_block({0, 0, 0}, {0.04, 0.03, 0.01}, 8, 6, 2),
+                                       grid_block({0, 0, 0.01}, {0.04, 0.03, 0.008}, 8, 6, 2),
+                                       grid_block({0, 0, 0.018}, {0.02, 0.03, 0.006}, 4, 6, 1)};
+  MeshReport report;
+  const TetMesh mesh = tetrahedralise(layers, {.edge = 0.004}, report);
+  check_boundary(mesh);
+  REQUIRE(report.parts.size() == 3);
+  for (std::size_t k = 0; k < 3; ++k) CHECK(report.parts[k].volume == near(enclosed_volume(layers[k]), 1e-6));
+  CHECK(area(between(mesh, 0, 1)) == near(0.04 * 0.03, 1e-6));
+  CHECK(area(between(mesh, 1, 2)) == near(0.02 * 0.03, 1e-6));
+  CHECK(area(between(mesh, 1, -1)) == near(0.02 * 0.03 + 0.008 * 0.14, 1e-6));
+  CHECK(between(mesh, 0, 2).triangle_count() == 0);
+  CHECK(contains(
+      input_error([&] { tetrahedralise(layers, {.edge = 0.004, .mesher = Mesher::tetgen}, report); }),
+      "does not keep walls that surfaces share"));
+}
+
+TEST_CASE("a surface may share a part of the one around it, and belongs to the inner one") {
+  const Surface body = grid_block({0, 0, 0}, {0.04, 0.04, 0.02}, 8, 8, 4),
+                lump = grid_block({0.01, 0.01, 0.01}, {0.02, 0.02, 0.01}, 4, 4, 2);
+  const Model model = make_model({body, lump});
+  CHECK(model.volumes[0] == near(3.2e-5 - 4e-6, 1e-9));
+  CHECK(model.volumes[1] == near(4e-6, 1e-9));
+  REQUIRE(model.surfaces.size() == 3);  // outside and body, outside and lump, body and lump
+  CHECK(area(model.surfaces[1]) == near(0.02 * 0.02, 1e-9));
+  CHECK(model.region_at({0.02, 0.02, 0.015}) == 1);
+  CHECK(model.region_at({0.005, 0.02, 0.015}) == 0);
+  CHECK(model.region_at({0.02, 0.02, 0.021}) == -1);
+}
+
+TEST_CASE("cavities are not meshed, and no surface may be there twice") {
+  MeshReport report;
+  const TetMesh mesh = tetrahedralise({organ, tumour, vessel}, {.edge = 0.007, .cavities = 1}, report);
+  check_boundary(mesh);
+  REQUIRE(report.parts.size() == 2);
+  const double inside[] = {enclosed_volume(organ), enclosed_volume(tumour), enclosed_volume(vessel)};
+  CHECK(report.parts[0].volume == near(inside[0] - inside[1] - inside[2], 0.01));
+  CHECK(report.parts[1].volume == near(inside[1], accepted_volume_error));
+  CHECK(diagnose(between(mesh, 0, -1)).components == 2);
+  CHECK(contains(input_error([&] { make_model({organ, organ}); }), "has no space of its own"));
+  CHECK(contains(input_error([&] { make_model({organ}, 1); }), "need a surface around them"));
 }
 
 TEST_CASE("nested surfaces become labels whose interfaces conform") {

@@ -73,6 +73,10 @@ TEST_CASE("lobe-mesh --diagnose describes a bad surface and ends well") {
     CHECK(finding["count"] == (open ? 3 : 0));
     CHECK(finding["triangles"].size() == (open ? 3 : 0));  // the neighbours of the missing one
   }
+  const std::string inside_out = folder.write("inverted.off", inverted(make_sphere(1, 3))).string();
+  for (const auto& finding :
+       nlohmann::json::parse(lobe_mesh(inside_out + " --diagnose --json").out)["findings"])
+    if (finding["name"] == "pieces facing the wrong way") CHECK(finding["triangles"].size() == 100);
 }
 
 TEST_CASE("bad input ends with one line per fault, status 2 and nothing written") {
@@ -109,7 +113,7 @@ TEST_CASE("bad input ends with one line per fault, status 2 and nothing written"
   refused(good + " --edge 1", "too long");
   refused(good + " --mesher gmsh", "gmsh");
   refused(good + " --colour red", "--colour");
-  refused(good + " " + good, "one");
+  refused(good + " " + good, "surface 1: has no space of its own");
   refused(good + " --report " + (folder.path / "no/r.json").string(), "there is no folder");
   refused(good + " --report " + (folder.path / "m.vtu").string(), "two outputs");
   const Run no_output = lobe_mesh(good);
@@ -317,7 +321,7 @@ TEST_CASE("several surfaces become labels in any format, sizes are read from the
   refused("--label-edge 0.5=0.1", "whole label");
   refused("--ball 0,0,0", "X,Y,Z,RADIUS,EDGE");
   refused("--sizes " + organ, "unknown extension");
-  refused(organ, "touch or intersect");
+  refused(organ, "surface 1: has no space of its own");
 }
 
 TEST_CASE("a run that is cancelled leaves nothing behind") {
@@ -393,4 +397,31 @@ TEST_CASE("lobe scene repairs and meshes a surface in millimetres, and writes a 
   CHECK(total_volume(read_mesh(folder.path / "organ.vtu").mesh) == near(enclosed_volume(ball) * -1e-9, 0.02));
   CHECK(std::system((command + "check organ.json >out 2>err").c_str()) == 0);
   CHECK_FALSE(contains(text_of(folder.path / "out"), "warning"));
+
+  folder.write("tumour.stl", moved(scaled(make_sphere(1, 2), 12), {10, 0, 0}));
+  REQUIRE(std::system((command + "scene ball.stl tumour.stl --edge 0.02 >out 2>err").c_str()) == 0);
+  const auto both = nlohmann::json::parse(text_of(folder.path / "ball_scene.json"))["materials"];
+  REQUIRE(both.size() == 2);
+  CHECK(both[1]["name"] == "tumour");
+  CHECK(both[1]["where"]["label"] == 1);
+
+  // A surface in a .vtu is not overwritten by its mesh.
+  std::filesystem::copy_file(folder.path / "organ.vtu", folder.path / "grid.vtu");
+  CHECK(std::system((command + "scene ball.stl grid.vtu -o grid.json >out 2>err").c_str()) != 0);
+  CHECK(contains(text_of(folder.path / "err"), "grid.vtu, which is the input; give another name"));
+}
+
+TEST_CASE("lobe-mesh --void leaves a cavity out, and reports edges as lobe info does") {
+  const SurfaceFolder folder;
+  const std::string outer = folder.write("outer.stl", make_sphere(0.04, 3)).string(),
+                    inner = folder.write("inner.stl", make_sphere(0.02, 3)).string(),
+                    mesh = (folder.path / "m.vtu").string();
+  const Run run = lobe_mesh(outer + " --void " + inner + " -o " + mesh + " --edge 0.008 --json");
+  REQUIRE_MESSAGE(run.status == 0, run.err);
+  const TetMesh read = read_mesh(mesh).mesh;
+  CHECK(total_volume(read) ==
+        near(enclosed_volume(make_sphere(0.04, 3)) - enclosed_volume(make_sphere(0.02, 3)), 0.02));
+  CHECK(nlohmann::json::parse(run.out)["mean_edge"].get<double>() ==
+        near(mesh_quality(read).mean_edge, 1e-9));
+  CHECK(contains(lobe_mesh(outer + " --diagnose --void " + inner).err, "--void: not with --diagnose"));
 }

@@ -1,4 +1,5 @@
 #include "lobe_mesh/repair.h"
+#include "lobe_mesh/orient.h"
 
 #include <cmath>
 #include <limits>
@@ -85,6 +86,29 @@ TEST_CASE("inverted, doubled and badly oriented surfaces are repaired and the ch
   REQUIRE(step(report, "orient"));
   CHECK(step(report, "orient")->count == 3);
   CHECK(report.warnings.empty());  // of the volume: what disagreeing triangles enclose means nothing
+}
+
+TEST_CASE("triangles are turned without a geometry library where nothing else is wrong") {
+  const Surface sphere = make_sphere(1, 2);
+  Turned turned;
+  for (const bool inside_out : {false, true}) {
+    Surface mixed = inside_out ? inverted(sphere) : sphere;
+    for (const Index t : {0, 3, 50}) std::swap(mixed.triangles(0, t), mixed.triangles(1, t));
+    const std::optional<Surface> result = turned_outwards(mixed, turned);
+    REQUIRE(result);
+    CHECK(enclosed_volume(*result) == enclosed_volume(sphere));
+    CHECK(diagnose(*result).meshable());
+    CHECK(turned.to_agree == 3);
+    CHECK(turned.outwards == (inside_out ? sphere.triangle_count() : 0));
+  }
+  CHECK_FALSE(turned_outwards(without_triangle(sphere, 5), turned));
+  CHECK_FALSE(turned_outwards(joined(sphere, moved(sphere, {5, 0, 0})), turned));
+  // The projective plane of six vertices: every edge has two triangles, and there is one side only.
+  Surface plane{Mat3X<double>::Random(3, 6), Triangles(3, 10)};
+  plane.triangles << 0, 0, 0, 0, 0, 1, 1, 2, 3, 4,  //
+      1, 2, 3, 4, 5, 2, 3, 3, 4, 5,                 //
+      2, 3, 4, 5, 1, 4, 5, 5, 1, 2;
+  CHECK_FALSE(turned_outwards(plane, turned));
 }
 
 TEST_CASE("a small hole is filled, a large one is refused with the option that helps") {

@@ -4,6 +4,7 @@
 #include <limits>
 #include <numbers>
 
+#include "lobe_mesh/check_options.h"
 #include "lobe_mesh/errors.h"
 #include "meshing/shapes.h"
 #include "near.h"
@@ -29,8 +30,9 @@ void check_good(const TetMesh& mesh, const MeshReport& report) {
   CHECK(std::abs(report.volume_error) < 5);
   check_boundary(mesh);
   // The mean volume is that of the regular tetrahedron of the edge asked for, ± 30 %.
-  CHECK(std::pow(report.mean_edge / report.edge, 3) > 0.7);
-  CHECK(std::pow(report.mean_edge / report.edge, 3) < 1.3);
+  const double volume = report.quality.volume / report.tets;
+  CHECK(volume > 0.7 * regular_volume(report.edge));
+  CHECK(volume < 1.3 * regular_volume(report.edge));
 }
 
 std::string refusal(const MeshOptions& options) {
@@ -100,7 +102,7 @@ TEST_CASE("neighbours in the body are neighbours in memory") {
     if (t > 0) way += (barycentre(mesh, t) - barycentre(mesh, t - 1)).norm() / mesh.tet_count();
   }
   CHECK(apart < 0.2 * mesh.vertex_count());
-  CHECK(way < 1.2 * report.mean_edge);
+  CHECK(way < 1.2 * regular_edge(report.quality.volume / report.tets));
 }
 
 TEST_CASE("of several tries the longest time step is kept, and all are reported") {

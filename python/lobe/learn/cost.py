@@ -15,7 +15,7 @@ from . import Box, Cutting, Environment, Palpation, Retraction, Vector
 
 
 class Block(Environment):
-    """A block that is held on one side, and led by a corner. Observation: place [m] and force [N] of the grasp."""
+    """A block that is held on one side, and led by a corner. Observation: its place [m] and force [N]."""
 
     def __init__(self):
         self.action_space, self.observation_space = Box(-0.05, 0.05, (3,)), Box(-np.inf, np.inf, (6,))

@@ -52,7 +52,7 @@ class Environment(Env):
         return self._observation(), self.info()
 
     def step(self, action):
-        """Returns (observation, reward, terminated, truncated, info). Raises ValueError if it is no action."""
+        """Returns (observation, reward, terminated, truncated, info). ValueError: that is no action."""
         if self._is_over:
             raise ValueError("the episode is over, or has not begun: call reset()")
         action = np.asarray(action, dtype=float)

@@ -1,4 +1,4 @@
-"""What actions and observations may be: classes of Gymnasium, or such that do the same for environments here."""
+"""What actions and observations may be: classes of Gymnasium, or such that do the same for these tasks."""
 
 import numpy as np
 

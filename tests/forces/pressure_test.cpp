@@ -5,7 +5,9 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
+#include "lobe/error.h"
 #include "lobe/mesh/outer_faces.h"
+#include "lobe/sim/checkpoint.h"
 #include "lobe/sim/rebuild.h"
 #include "near.h"
 #include "support.h"
@@ -100,5 +102,12 @@ TEST_CASE("a body under pressure that was cut before its first frame equals one 
   other.restore(world.save());
   REQUIRE(world.advance(0.01).ok);
   REQUIRE(other.advance(0.01).ok);
+  CHECK(other.state().u == world.state().u);
+  Checkpoint<double> damaged = world.save();
+  REQUIRE(damaged.terms.size() == 1);
+  Setup elsewhere = setup;
+  elsewhere.pressures[0].tet = setup.mesh.tet_count();
+  damaged.terms[0].saved = Pressure<double>(elsewhere).save();
+  CHECK_THROWS_AS(other.restore(damaged), InputError);
   CHECK(other.state().u == world.state().u);
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lobe/error.h"
 #include "lobe/file/fields.h"
 
 namespace lobe {
@@ -17,6 +18,9 @@ template <class Real>
 std::vector<Index> Pressure<Real>::acts_on(const Model& model) const {
   std::vector<Index> vertices;
   for (const FacePressure& load : pressures_) {
+    if (load.tet >= model.elements.topology.tet_count())
+      throw InputError("checkpoint", "has a pressure on tetrahedron " + std::to_string(load.tet) +
+                                         ", which the body does not have");
     const Eigen::Vector4i corners = model.elements.topology.corners(load.tet);
     for (const int k : face_corners[load.face]) vertices.push_back(corners[k]);
   }

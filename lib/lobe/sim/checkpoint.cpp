@@ -68,8 +68,11 @@ void check_fits(const Checkpoint<Real>& c, const Organ<Real>& organ) {
   fits = fits && is_known(0) && organ.body().regions.fits(c.nodes, organ.elements());
   for (Index piece : piece_of) fits = fits && is_known(piece);
   for (const auto& term : c.terms)
-    if (const auto* kind = find_kind_of_term<Real>(term.name))
-      kind->make(organ.setup())->load(term.saved, vertices);
+    if (const auto* kind = find_kind_of_term<Real>(term.name)) {
+      const std::shared_ptr<ForceTerm<Real>> tried = kind->make(organ.setup());
+      tried->load(term.saved, vertices);
+      tried->acts_on(organ.body().model);  // throws for what the body does not have
+    }
   for (Index t : c.unravelling.tets) fits = fits && t >= 0 && std::size_t(t) < tets;
   for (const HeldVertices::Held& item : c.held.as_saved())
     fits = fits && item.vertex >= 0 && item.vertex < vertices &&

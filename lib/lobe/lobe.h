@@ -63,6 +63,8 @@
 //   patch: up to 512 tetrahedra, or 1024 edges of a tensor-mass region, that are evaluated together; neither
 //     a contact patch nor the patch test.
 //   held vertex: a vertex whose position the boundary conditions prescribe.
+//   partly held vertex: a vertex of which a share lies in what is held ("hold_by"); a spring draws it to its
+//     prescribed position.
 //   driven vertex: a held vertex whose prescribed position moves.
 //   free vertex: a vertex that nothing holds.
 //   grasped vertex: a vertex that moves with a tool.

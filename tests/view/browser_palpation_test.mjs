@@ -8,22 +8,23 @@ check(
   'the finger of the scene has pressed, and has left',
 );
 
-// Of the arrow's colour.
+// Of the second colour: the finger of the scene has the first.
+const colour = [159, 214, 92];
 const arrowPixels = () =>
-  page.evaluate(() => {
+  page.evaluate(colour => {
     const data = drawn();
     let count = 0;
     for (let i = 0; i < data.length; i += 4)
-      count += data[i] > 225 && Math.abs(data[i + 1] - 190) < 25 && Math.abs(data[i + 2] - 105) < 30;
+      count += colour.every((value, k) => Math.abs(data[i + k] - value) < 30);
     return count;
-  });
+  }, colour);
 
 // The finger of the scene feels nothing by now.
 const shown = () =>
   page.evaluate(() => ({
     probes: lobe.instruments.shown.size - 1, // without the finger
     force: lobe.force,
-    plotted: lobe.forcePlot.data[1].at(-1),
+    plotted: lobe.forcePlot.data.slice(1, 5).reduce((sum, line) => sum + (line.at(-1) ?? 0), 0),
   }));
 // Until a force above so much has changed by less than 10 mN for 0.3 s.
 const settles = async above => {

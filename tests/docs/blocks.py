@@ -6,7 +6,7 @@ A comment above a block says what a test has to know, as GitHub does not show it
   <!-- in: F& f, G& g -->      the C++ block stands in a function with these parameters
   <!-- options -->             commands that are too long for a test: their options are looked up in --help
   <!-- output -->              what the sh block above prints; numbers may differ by 2 %
-Languages: cpp, c (compiled), python (run; docs/python.md has a test of its own), json (read; as a scene, if it
+Languages: cpp, c (compiled), python (run; python.md and learn.md have a test of their own), json (read; as a scene, if it
 has "materials"), sh (run in a folder with data/ and examples/), csharp (compiled where Mono is),
 text (a formula, a layout, an output).
 
@@ -78,7 +78,7 @@ class Tester:
                     self.compile_csharp(place, code, folder)
                 elif language == "json":
                     self.read_json(place, code)
-                elif language == "python" and page.name != "python.md":
+                elif language == "python" and page.name not in ("python.md", "learn.md"):
                     self.run(place, [sys.executable, "-c", code], folder)
                 elif language == "sh":
                     printed = self.run(place, ["bash", "-euo", "pipefail", "-c", code], folder)

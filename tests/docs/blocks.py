@@ -6,8 +6,8 @@ A comment above a block says what a test has to know, as GitHub does not show it
   <!-- in: F& f, G& g -->      the C++ block stands in a function with these parameters
   <!-- options -->             commands that are too long for a test: their options are looked up in --help
   <!-- output -->              what the sh block above prints; numbers may differ by 2 %
-Languages: cpp, c (compiled), python (run; python.md and learn.md have a test of their own), json (read; as a scene, if it
-has "materials"), sh (run in a folder with data/ and examples/), csharp (compiled where Mono is),
+Languages: cpp, c (compiled), python (run; python.md and learn.md have a test of their own), json (read;
+as a scene, if it has "materials"), sh (run in a folder with data/ and examples/), csharp (compiled where Mono is),
 text (a formula, a layout, an output).
 
 blocks.py ROOT BIN CXX CC [INCLUDE]…: CXX "none" leaves the C++ blocks out

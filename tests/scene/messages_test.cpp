@@ -181,9 +181,11 @@ TEST_CASE("regions name a model") {
 TEST_CASE("a boundary entry is one condition and where it acts") {
   check({
       {R"({"boundary": [{"where": {"all": true}}]})",
-       "/boundary/0: needs exactly one of \"fix\", \"displacement\", \"traction\", \"force\" or \"pressure\""},
+       "/boundary/0: needs exactly one of \"fix\", \"displacement\", \"traction\", \"force\" or "
+       "\"pressure\""},
       {R"({"boundary": [{"fix": true, "force": [0, 0, 1], "where": {"all": true}}]})",
-       "/boundary/0: needs exactly one of \"fix\", \"displacement\", \"traction\", \"force\" or \"pressure\", has 2"},
+       "/boundary/0: needs exactly one of \"fix\", \"displacement\", \"traction\", \"force\" or "
+       "\"pressure\", has 2"},
       {R"({"boundary": [{"fix": true}]})", "/boundary/0: needs \"where\""},
       {R"({"boundary": [{"fix": false, "where": {"all": true}}]})", "/boundary/0/fix: false, must be true"},
       {R"({"boundary": [{"force": [0, 1], "where": {"all": true}}]})",

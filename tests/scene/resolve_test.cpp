@@ -159,15 +159,18 @@ TEST_CASE("indices beyond the mesh are refused with their place, once") {
 }
 
 TEST_CASE("pressure is refused in a precomputed region, and with the implicit integrator") {
-  const std::string pressed = R"("boundary": [)" + clamp + R"(, {"pressure": 10, "where": )" + end_face + "}]";
+  const std::string pressed =
+      R"("boundary": [)" + clamp + R"(, {"pressure": 10, "where": )" + end_face + "}]";
   const std::string left = R"("where": {"box": {"min": [-1, -1, -1], "max": [0.25, 1, 1]}})";
   CHECK(resolved("{" + pressed + "}").setup.pressures.size() == 2);
-  CHECK(resolved("{" + pressed + R"(, "regions": [{"model": "precomputed", )" + left + "}]}").warnings.empty());
+  CHECK(
+      resolved("{" + pressed + R"(, "regions": [{"model": "precomputed", )" + left + "}]}").warnings.empty());
   CHECK(faults("{" + pressed + R"(, "regions": [{"model": "precomputed"}]})") ==
         "/boundary/1: 2 faces under pressure are in a precomputed region, whose inside bears no load that "
         "follows it: make that part tensor-mass or nonlinear");
-  CHECK(faults("{" + pressed + R"(, "time": {"integrator": "implicit"}})").starts_with(
-      "/boundary/1/pressure: a probe, a pressure, a force term or springs does not go with"));
+  CHECK(faults("{" + pressed + R"(, "time": {"integrator": "implicit"}})")
+            .starts_with(
+                "/boundary/1/pressure: a probe, a pressure, a force term or springs does not go with"));
 }
 
 TEST_CASE("a precomputed region must be held, and explicit") {

@@ -34,8 +34,8 @@ Setup column(const Vec3d& force) {
 
 }  // namespace
 
-// Euler: π² EI/(4 L²), with the EI that the mesh has, F L³/(3 δ) under a small force across. The state at
-// which the tangent is looked at is a linear prediction from rest.
+// Euler's load is π² EI/(4 L²). EI is that of the mesh: F L³/(3 δ) under a small force across. The state
+// at which the tangent is looked at is a linear prediction from rest.
 TEST_CASE("a column loses its stability about where Euler says") {
   const StaticResult bent = solve_static(column({1e-6, 0, 0}));
   REQUIRE(bent.converged);

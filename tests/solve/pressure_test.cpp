@@ -34,7 +34,8 @@ void hold_on_planes(Setup& setup) {
 
 }  // namespace
 
-// F = s I has the Piola stress (3λ + 2μ) s (s² − 1)/2, which the pressure on the shrunk area, p s², balances.
+// F = s I has the Piola stress (3λ + 2μ) s (s² − 1)/2. The pressure on
+// the shrunk area, p s², balances it.
 TEST_CASE("a block under pressure from all sides shrinks as the law says") {
   Setup setup = setup_of(box_mesh({0.1, 0.08, 0.06}, 3, 3, 3));
   hold_on_planes(setup);

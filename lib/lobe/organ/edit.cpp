@@ -68,8 +68,7 @@ std::vector<FacePressure> pressures_now(const Dynamics<Real>& body, const Compac
   for (const auto& term : body.terms)
     if (term->name() == Pressure<Real>::term_name)
       for (const FacePressure& load : static_cast<const Pressure<Real>&>(*term).faces())
-        if (c.tet_target[load.tet] >= 0)
-          found.push_back({c.tet_target[load.tet], load.face, load.pressure});
+        if (c.tet_target[load.tet] >= 0) found.push_back({c.tet_target[load.tet], load.face, load.pressure});
   return found;
 }
 

@@ -19,6 +19,24 @@ std::vector<std::string> place_if(bool is_used, const char* place) {
   return is_used ? std::vector<std::string>{place} : std::vector<std::string>{};
 }
 
+std::vector<std::string> joined(std::vector<std::string> first, const std::vector<std::string>& then) {
+  first.insert(first.end(), then.begin(), then.end());
+  return first;
+}
+
+template <class Entry>
+bool holds_partly(const Entry& entry) {
+  return entry.hold_by != HoldBy::vertices;
+}
+
+std::vector<std::string> places_of_force_terms(const Scene& scene) {
+  const auto is_probe = [](const Tool& tool) { return tool.type == ProbeSetup::type; };
+  const auto is_pressure = [](const Boundary& entry) { return entry.kind == Boundary::Kind::pressure; };
+  return joined(joined(places_in(scene.tools, "/tools", "type", is_probe),
+                       places_in(scene.boundary, "/boundary", "pressure", is_pressure)),
+                place_if(scene.contact.is_on(), "/contact"));
+}
+
 // Where a scene asks for an option; nowhere if it does not.
 std::vector<std::string> places_of(const Scene& scene, Option option) {
   const Time& time = scene.time;
@@ -58,26 +76,11 @@ std::vector<std::string> places_of(const Scene& scene, Option option) {
       return place_if(time.selective_mass > 1, "/time/selective_mass");
     case Option::implicit:
       return place_if(time.integrator == Integrator::generalised_alpha, "/time/integrator");
-    case Option::force_terms: {
-      std::vector<std::string> places = places_in(
-          scene.tools, "/tools", "type", [](const Tool& tool) { return tool.type == ProbeSetup::type; });
-      for (std::string& place : places_in(scene.boundary, "/boundary", "pressure", [](const Boundary& entry) {
-             return entry.kind == Boundary::Kind::pressure;
-           }))
-        places.push_back(std::move(place));
-      if (scene.contact.is_on()) places.push_back("/contact");
-      return places;
-    }
-    case Option::partly_held: {
-      std::vector<std::string> places =
-          places_in(scene.boundary, "/boundary", "hold_by",
-                    [](const Boundary& entry) { return entry.hold_by != HoldBy::vertices; });
-      const std::vector<std::string> of_tools =
-          places_in(scene.tools, "/tools", "hold_by",
-                    [](const Tool& tool) { return tool.hold_by != HoldBy::vertices; });
-      places.insert(places.end(), of_tools.begin(), of_tools.end());
-      return places;
-    }
+    case Option::force_terms:
+      return places_of_force_terms(scene);
+    case Option::partly_held:
+      return joined(places_in(scene.boundary, "/boundary", "hold_by", holds_partly<Boundary>),
+                    places_in(scene.tools, "/tools", "hold_by", holds_partly<Tool>));
     case Option::expandable:
     case Option::single_precision:
     case Option::static_solution:

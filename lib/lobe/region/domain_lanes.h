@@ -18,6 +18,10 @@ class DomainLanes {
         vertices(patch.blocks[block].vertices),
         rows_(patch.gradients + patch.blocks[block].first),
         first_(first) {
+    if (patch.H) {
+      for (int i = 0; i < 9; ++i) H(i % 3, i / 3).copy_from(&patch.H[block].entries[i][first]);
+      return;
+    }
     H = Mat3<T>::Constant(T(0));
     const auto* numbers = patch.numbers + patch.blocks[block].first + block;
     const Real* u = &patch.u->xyz0[0];

@@ -65,14 +65,16 @@ LOBE_FLATTEN void add_forces_of(const SmoothedArrays<Real>& patch, Real* sums) {
 }
 
 template <class Real>
-LOBE_FLATTEN void volume_strains(const SmoothedArrays<Real>& patch, Real* rows) {
+LOBE_FLATTEN void find_gradients(const SmoothedArrays<Real>& patch, DomainGradients<Real>* H,
+                                 Real* volume_strains) {
   using Lanes = DomainLanes<Pack<Real>>;
   constexpr int width = SmoothedBlock<Real>::width;
   for (Index b = 0; b < patch.block_count; ++b)
     for (int first = 0; first < width; first += Lanes::count) {
       const Lanes e(patch, b, first);
+      for (int i = 0; i < 9; ++i) e.H(i % 3, i / 3).copy_to(&H[b].entries[i][first]);
       const Pack<Real> strain = e.V * strain_trace(e.H);
-      strain.copy_to(rows + b * width + first);
+      strain.copy_to(volume_strains + b * width + first);
     }
 }
 
@@ -126,9 +128,9 @@ void add_stiffness(const SmoothedArrays<Real>& patch, StiffnessPart part, Padded
 
 }  // namespace
 
-extern const SmoothedKernels<float> smoothed_single_kernels{add_forces<float>, volume_strains<float>,
+extern const SmoothedKernels<float> smoothed_single_kernels{add_forces<float>, find_gradients<float>,
                                                             add_stiffness<float>};
-extern const SmoothedKernels<double> smoothed_double_kernels{add_forces<double>, volume_strains<double>,
+extern const SmoothedKernels<double> smoothed_double_kernels{add_forces<double>, find_gradients<double>,
                                                              add_stiffness<double>};
 
 }  // namespace lobe::LOBE_KERNELS

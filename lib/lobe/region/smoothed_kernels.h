@@ -31,6 +31,11 @@ template <class Real>
 struct alignas(64) EndNodeRows {
   std::array<std::array<Index, std::size_t(ElementBlock<Real>::width)>, 2> nodes{};  // of both ends
 };
+// ∇u of each domain of a block, column by column.
+template <class Real>
+struct alignas(64) DomainGradients {
+  std::array<typename ElementBlock<Real>::Row, 9> entries;
+};
 
 template <class Real>
 struct SmoothedArrays {  // one patch: all its domains are of one material
@@ -42,6 +47,7 @@ struct SmoothedArrays {  // one patch: all its domains are of one material
   const EndNodeRows<Real>* node_rows;    // null where no material has nodal pressure
   const Real* pressure;                  // per node [Pa]
   const PaddedVector<Real>* u;           // per vertex of the patch [m]
+  const DomainGradients<Real>* H;        // per block, where they are known; else null
   Law<Real> law;                         // without its pressure and direction
 };
 
@@ -54,9 +60,10 @@ inline constexpr Terms smoothed_terms[] = {{},
 
 template <class Real>
 struct SmoothedKernels {
-  // Adds the forces of the patch's domains to those of its vertices [N], domain by domain.
+  // Adds the forces of the patch's domains to those of its vertices [N]: block by block, vertex by vertex.
   void (*add_forces)(const SmoothedArrays<Real>& patch, PaddedVector<Real>* f);
-  void (*volume_strains)(const SmoothedArrays<Real>& patch, Real* rows);  // V tr E [m³], block by block
+  // ∇u, and V tr E [m³], block by block.
+  void (*find_gradients)(const SmoothedArrays<Real>& patch, DomainGradients<Real>* H, Real* volume_strains);
   // Adds three of the six entries of the stiffness that each vertex feels when it moves while its neighbours
   // are held [N/m].
   void (*add_stiffness)(const SmoothedArrays<Real>& patch, StiffnessPart part, PaddedVector<Real>* K);

@@ -65,6 +65,7 @@ void SmoothedPatches<Real>::follow(const Elements& elements, const std::vector<I
   }
   sort_unique(changed);
   patches_.resize(std::size_t(layout_.patch_count()));
+  if (nodal_pressure_) gradients_.resize(patches_.size() * patch_blocks);
   sums_.resize(layout_.patch_count());
   for (Index p : changed) write(p);
 }
@@ -118,6 +119,7 @@ void SmoothedPatches<Real>::write_lane(Patch& patch, Index b, int lane, Index sl
 template <class Real>
 SmoothedArrays<Real> SmoothedPatches<Real>::arrays(Index p, const LocalVectors& u) const {
   const Patch& patch = patches_[p];
+  const Law<double>& law = laws_[layout_.patch(p).kind];
   return {patch.blocks.data(),
           static_cast<Index>(patch.blocks.size()),
           patch.gradients.data(),
@@ -126,17 +128,22 @@ SmoothedArrays<Real> SmoothedPatches<Real>::arrays(Index p, const LocalVectors& 
           nodal_pressure_ ? patch.node_rows.data() : nullptr,
           pressure_.data(),
           u.data(),
-          laws_[layout_.patch(p).kind].template as<Real>()};
+          law.terms.pressure ? gradients_.data() + std::size_t(p) * patch_blocks : nullptr,
+          law.template as<Real>()};
 }
 
+// Gradients are kept for what is evaluated next.
 template <class Real>
 void SmoothedPatches<Real>::find_pressures(const Mat3X<Real>& u, Parallel& parallel) {
   parallel.for_ranges(layout_.patch_count(), sums_.patches_at_once, [&](Index begin, Index end) {
     LocalVectors local;
     std::array<Real, std::size_t(Layout::capacity)> strains;
     for (Index p = begin; p < end; ++p) {
+      SmoothedArrays<Real> patch = arrays(p, local);
+      if (!patch.law.terms.pressure) continue;
+      patch.H = nullptr;
       sums_.gather(layout_, p, u, local);
-      kernels_.volume_strains(arrays(p, local), strains.data());
+      kernels_.find_gradients(patch, gradients_.data() + std::size_t(p) * patch_blocks, strains.data());
       for (std::size_t i = 0; i < patches_[p].edges.size(); ++i)
         volume_strain_[patches_[p].edges[i]] = strains[i];
     }
@@ -175,6 +182,21 @@ double SmoothedPatches<Real>::energy(const Mat3X<Real>& u) {
   return sum;
 }
 
+// ∇u per domain, where find_pressures() has kept it.
+template <class Real>
+std::vector<Mat3<double>> SmoothedPatches<Real>::kept_gradients() const {
+  std::vector<Mat3<double>> of_domain(std::size_t(edges_.count()), Mat3<double>::Zero());
+  for (Index p = 0; p < layout_.patch_count(); ++p) {
+    if (!laws_[layout_.patch(p).kind].terms.pressure) continue;
+    const std::vector<Index>& edges = patches_[p].edges;
+    for (std::size_t i = 0; i < edges.size(); ++i) {
+      const auto& entries = gradients_[std::size_t(p) * patch_blocks + i / Block::width].entries;
+      for (int k = 0; k < 9; ++k) of_domain[edges[i]](k % 3, k / 3) = double(entries[k][i % Block::width]);
+    }
+  }
+  return of_domain;
+}
+
 // Two passes compute three entries each, which are added up like forces.
 template <class Real>
 void SmoothedPatches<Real>::add_diagonal_stiffness(const Mat3X<Real>& u, DiagonalStiffness& K,
@@ -194,8 +216,7 @@ void SmoothedPatches<Real>::add_diagonal_stiffness(const Mat3X<Real>& u, Diagona
     for (Index v = 0; v < entries.cols(); ++v)
       for (int i = 0; i < 3; ++i) K(rows[i], v) += double(entries(i, v));
   }
-  if (nodal_pressure_)
-    pressures_.add_diagonal_stiffness(edges_, domain_gradients(edges_, u.template cast<double>()), K);
+  if (nodal_pressure_) pressures_.add_diagonal_stiffness(edges_, kept_gradients(), K);
 }
 
 template <class Real>

@@ -1,7 +1,8 @@
 // Evaluates the edge-smoothed tetrahedra of one model (fem/smoothed_edge.h) in patches of domains: one
 // gather of a domain's vertices, one stress, one scatter. If a material has nodal pressure, a pass over the
-// strains comes first. The domains of a patch are ordered by their number of vertices, so that those of a
-// block have about as many. An edit writes the patches that it changes again.
+// strains comes first, which keeps the gradients of its domains. The domains of a patch are ordered by their
+// number of vertices, so that those of a block have about as many. An edit writes the patches that it changes
+// again.
 #pragma once
 
 #include "lobe/region/edge_pressures.h"
@@ -36,6 +37,7 @@ class SmoothedPatches {
   using Layout = PatchLayout<any_number>;
   using LocalVectors = typename PatchSums<Real>::LocalVectors;
   using Block = SmoothedBlock<Real>;
+  static constexpr int patch_blocks = Layout::capacity / Block::width;
   struct Patch {
     std::vector<Block> blocks;
     std::vector<GradientRow<Real>> gradients;
@@ -51,6 +53,7 @@ class SmoothedPatches {
   void write_lane(Patch& patch, Index block, int lane, Index slot) const;
   SmoothedArrays<Real> arrays(Index p, const LocalVectors& u) const;
   void find_pressures(const Mat3X<Real>& u, Parallel& parallel);
+  std::vector<Mat3<double>> kept_gradients() const;
 
   SmoothedKernels<Real> kernels_;
   SmoothedEdges edges_;
@@ -62,8 +65,9 @@ class SmoothedPatches {
   bool fibres_ = false;          // of any material
   bool nodal_pressure_ = false;  // of any material; without, the rest is empty
   EdgePressures pressures_;
-  std::vector<Real> volume_strain_;  // scratch: V tr E per domain [m³]
-  std::vector<Real> pressure_;       // scratch: per node [Pa]
+  std::vector<DomainGradients<Real>> gradients_;  // scratch: ∇u, patch_blocks per patch
+  std::vector<Real> volume_strain_;               // scratch: V tr E per domain [m³]
+  std::vector<Real> pressure_;                    // scratch: per node [Pa]
 };
 
 }  // namespace lobe

@@ -67,8 +67,12 @@ TEST_CASE_TEMPLATE("every instruction set gives the same bits with stored terms 
                    float, double) {
   const TetMesh mesh = irregular_box(4);
   check_nonlinear<Real>(setup_of(mesh), Evaluator::stored);
-  check_same_bits<Real>(setup_of(mesh, RegionModel::tensor_mass),
-                        [](InstructionSet set) { return TensorMassRegion<Real>(set); });
+  Setup fibrous = smoothed(setup_of(mesh, RegionModel::tensor_mass));
+  fibrous.materials[0].fibre = {3e3, 8e3, 5e4};
+  fibrous.mesh.fibres = random_displacement(mesh.tet_count(), 1).colwise().normalized();
+  for (const Setup& setup : {setup_of(mesh, RegionModel::tensor_mass),
+                             smoothed(setup_of(mesh, RegionModel::tensor_mass)), fibrous})
+    check_same_bits<Real>(setup, [](InstructionSet set) { return TensorMassRegion<Real>(set); });
 }
 
 TEST_CASE("every instruction set gives the same bits with fibres and of every other law") {

@@ -46,8 +46,8 @@ TEST_CASE("corner stiffnesses add up to the diagonal stiffness of both regions, 
   linear.follow(elements, edit);
   nonlinear.follow(elements, edit);
   DiagonalStiffness regions = DiagonalStiffness::Zero(6, setup.mesh.vertex_count()), sum = regions;
-  linear.add_diagonal_stiffness(regions);
   Parallel one_thread;
+  linear.add_diagonal_stiffness(u, regions, one_thread);
   nonlinear.add_diagonal_stiffness(u, regions, one_thread);
   for (Index t = 0; t < setup.mesh.tet_count(); ++t) {
     const CornerStiffness K = corner_stiffness(elements, t, u(Eigen::all, setup.mesh.tets.col(t)));

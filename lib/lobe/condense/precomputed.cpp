@@ -3,13 +3,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lobe/sort_unique.h"
+
 namespace lobe {
 namespace {
 
-template <class Real>
-Mat34<double> corners_of(const Elements& elements, const Mat3X<Real>& u, Index tet) {
-  const Mat34<Real> corners = u(Eigen::all, elements.topology.corners(tet));
-  return corners.template cast<double>();
+template <class Real, class Vertices>
+Mat3X<double> displacements_of(const Mat3X<Real>& u, const Vertices& vertices) {
+  return u(Eigen::all, vertices).template cast<double>();
 }
 
 }  // namespace
@@ -117,12 +118,16 @@ typename PrecomputedRegion<Real>::Energy PrecomputedRegion<Real>::energy(const E
   if (tet_count_ == 0) return e;
   Pose pose;
   if (has_frame_) place(u, pose);
-  for (Index t = 0; t < static_cast<Index>(member_.size()); ++t) {
-    if (!member_[t]) continue;
-    const Mat34<double> X = elements.corner_points(t);
-    const Mat34<double> in_frame = pose.R.transpose() * (X + corners_of(elements, u, t)) - X;
-    e.elastic += linearisation_.energy(elements, t, in_frame);
-  }
+  const auto in_frame = [&](const auto& vertices) -> Mat3X<double> {
+    const Mat3X<double> X = elements.points.view()(Eigen::all, vertices);
+    return pose.R.transpose() * (X + displacements_of(u, vertices)) - X;
+  };
+  for (Index t = 0; t < static_cast<Index>(member_.size()); ++t)
+    if (member_[t] && linearisation_.is_element(elements, t))
+      e.elastic += linearisation_.energy(elements, t, in_frame(elements.topology.corners(t)));
+  for (Index i = 0; i < domains_.count(); ++i)
+    if (domains_[i].volume > 0)
+      e.elastic += linearisation_.energy(elements, domains_[i], in_frame(domains_[i].vertices));
   e.loads = -loads_[0].cwiseProduct(u.leftCols(loads_[0].cols()).template cast<double>()).sum();
   return e;
 }
@@ -131,15 +136,20 @@ template <class Real>
 Vec3d PrecomputedRegion<Real>::force_on_fixed(const Elements& elements, const Mat3X<Real>& u,
                                               Index vertex) const {
   Vec3d force = Vec3d::Zero();
+  const auto add = [&](const auto& element, const auto& vertices) {
+    const Mat3X<double> f = linearisation_.forces_at(elements, element, displacements_of(u, vertices));
+    const auto at = std::find(vertices.begin(), vertices.end(), vertex);
+    force += f.col(at - vertices.begin());
+  };
+  std::vector<Index> domains;
   for (Index t : elements.topology.around(vertex)) {
     if (!has(t)) continue;
-    const Eigen::Vector4i corners = elements.topology.corners(t);
-    const Linearisation::Forces linear = linearisation_.forces(elements, t, corners);
-    const Mat34<double> f =
-        (linear.constant - linear.K * corners_of(elements, u, t).reshaped()).reshaped(3, 4);
-    for (int c = 0; c < 4; ++c)
-      if (elements.topology.tets()(c, t) == vertex) force += f.col(c);
+    if (linearisation_.is_element(elements, t)) add(t, elements.topology.corners(t));
+    for (Index e : domains_.of(t))
+      if (e >= 0) domains.push_back(e);
   }
+  sort_unique(domains);
+  for (Index e : domains) add(domains_[e], domains_[e].vertices);
   for (int axis = 0; axis < 3; ++axis)
     if (tet_count_ > 0 && roles_(axis, vertex) != Role::none) force[axis] = 0;
   return force;

@@ -13,6 +13,7 @@
 #include "lobe/condense/condensed_region.h"
 #include "lobe/condense/rigid_frame.h"
 #include "lobe/numerics/symmetric_product.h"
+#include "lobe/region/smoothed_edges.h"
 #include "lobe/setup/boundary_conditions.h"
 
 namespace lobe {
@@ -122,13 +123,20 @@ class PrecomputedRegion {
   void prepare_frame(const Elements& elements);
   void open(const std::vector<Index>& components);
   void grow(const Elements& elements, const RegionEdit& edit);
+  // Smoothing domains that an edit has changed: as they were, and the numbers of those that are new, have
+  // changed or are gone.
+  struct DomainChange {
+    std::vector<SmoothedEdge> before;
+    std::vector<Index> changed;
+  };
+  std::vector<Index> concerned(const RegionEdit& edit, const DomainChange& domains) const;
   void change_members(const Elements& elements, const RegionEdit& edit);
   void begin_condensing(const Elements& elements, Linearisation linearisation);
   void extend(Linearisation& linearisation, const RegionEdit& edit) const;
   void add(const Linearisation& linearisation, const Elements& elements, Index tet, double sign,
            const std::vector<Index>& row, CondensedRegion::Change& sum) const;
-  void change(const Elements& elements, const RegionEdit& edit, const std::vector<Index>& components,
-              Mat3X<Real>& external, Mat3X<Real>& dead);
+  void change(const Elements& elements, const RegionEdit& edit, const DomainChange& domains,
+              const std::vector<Index>& components, Mat3X<Real>& external, Mat3X<Real>& dead);
   void take_loads(const std::vector<Index>& vertices, Mat3X<Real>& external, Mat3X<Real>& dead);
   std::vector<Index> close(const Elements& elements, const std::vector<Index>& components);
   void keep_exact(const Elements& elements, const std::vector<Index>& edited);
@@ -145,8 +153,9 @@ class PrecomputedRegion {
   Index tet_count_ = 0;
   Tets corners_;                // of members, when they were last followed
   std::vector<double> shares_;  // of their volumes, likewise
-  Roles roles_;                 // 3 × #vertices
-  Loads loads_;                 // of the interior, 3 × #vertices [N]
+  SmoothedEdges domains_;
+  Roles roles_;  // 3 × #vertices
+  Loads loads_;  // of the interior, 3 × #vertices [N]
   bool has_changed_ = false;
   bool is_outdated_ = false, recondensed_is_outdated_ = false;
   Linearisation linearisation_;

@@ -72,11 +72,34 @@ void refuse_interface(Index interface) {
 // Adds the constants of the linearised forces to the first column, which has all components.
 void add_constants(const Linearisation& linearisation, const Elements& elements, Eigen::MatrixXd& loads) {
   if (linearisation.is_at_rest()) return;
+  const auto add = [&](const auto& linear, const auto& vertices) {
+    Eigen::Index i = 0;
+    for (Index v : vertices)
+      for (int axis = 0; axis < 3; ++axis) loads(3 * v + axis, 0) += linear.constant[i++];
+  };
   for (Index t = 0; t < elements.topology.tet_count(); ++t) {
     if (!elements.is_in(RegionModel::precomputed, t)) continue;
     const Eigen::Vector4i corners = elements.topology.corners(t);
-    const Linearisation::Forces linear = linearisation.forces(elements, t, corners);
-    for (int i = 0; i < 12; ++i) loads(3 * corners[i / 3] + i % 3, 0) += linear.constant[i];
+    add(linearisation.forces(elements, t, corners), corners);
+  }
+  const SmoothedEdges domains(elements, RegionModel::precomputed);
+  for (Index e = 0; e < domains.count(); ++e)
+    if (domains[e].volume > 0) add(linearisation.forces(elements, domains[e]), domains[e].vertices);
+}
+
+// Adds the linearised forces of an element to the components that have a row.
+template <int size, class Vertices>
+void add_element(const Linearisation::Forces<size>& linear, const Vertices& vertices, double factor,
+                 const std::vector<Index>& row, CondensedRegion::Change& sum) {
+  std::vector<Index> at;
+  for (Index v : vertices)
+    for (int axis = 0; axis < 3; ++axis) at.push_back(row[std::size_t(3 * v + axis)]);
+  const auto count = static_cast<Index>(at.size());
+  for (Index i = 0; i < count; ++i) {
+    if (at[i] < 0) continue;
+    sum.loads(at[i], 0) += factor * linear.constant[i];
+    for (Index j = 0; j < count; ++j)
+      if (at[j] >= 0) sum.stiffness(at[i], at[j]) += factor * linear.K(i, j);
   }
 }
 
@@ -116,7 +139,10 @@ std::vector<Index> PrecomputedRegion<Real>::follow(const Elements& elements, con
   has_frame_ = elements.precomputed_frame == RegionFrame::corotated;
   grow(elements, edit);
   const Hold hold(elements, held);
-  const std::vector<Index> components = components_of(edit.vertices);
+  DomainChange domains;
+  domains.changed =
+      domains_.follow(elements, edit.left, edit.entered, RegionModel::precomputed, &domains.before);
+  const std::vector<Index> components = components_of(concerned(edit, domains));
   const auto has_role = [&](Index i) { return roles_.data()[i] != Role::none; };
   has_changed_ = !condensed_ || std::any_of(components.begin(), components.end(), has_role);
   for (Index i : components) roles_.data()[i] = hold.role(i / 3, i % 3);
@@ -137,12 +163,27 @@ std::vector<Index> PrecomputedRegion<Real>::follow(const Elements& elements, con
     return {};
   } else {
     open(components);
-    change(elements, edit, components, external, dead);
+    change(elements, edit, domains, components, external, dead);
     mechanism = close(elements, components);
     if (mechanism.empty()) keep_exact(elements, components);
   }
   prepare_step(elements);
   return mechanism;
+}
+
+// The vertices whose stiffness or role an edit changes.
+template <class Real>
+std::vector<Index> PrecomputedRegion<Real>::concerned(const RegionEdit& edit,
+                                                      const DomainChange& domains) const {
+  if (domains.changed.empty()) return edit.vertices;
+  std::vector<Index> vertices = edit.vertices;
+  const auto add = [&](const SmoothedEdge& domain) {
+    if (domain.volume > 0) vertices.insert(vertices.end(), domain.vertices.begin(), domain.vertices.end());
+  };
+  for (const SmoothedEdge& domain : domains.before) add(domain);
+  for (Index e : domains.changed) add(domains_[e]);
+  sort_unique(vertices);
+  return vertices;
 }
 
 // Makes room for tetrahedra and vertices that are new.
@@ -174,8 +215,8 @@ void PrecomputedRegion<Real>::open(const std::vector<Index>& components) {
 // to which nothing is attached any more are held by a spring.
 template <class Real>
 void PrecomputedRegion<Real>::change(const Elements& elements, const RegionEdit& edit,
-                                     const std::vector<Index>& all, Mat3X<Real>& external,
-                                     Mat3X<Real>& dead) {
+                                     const DomainChange& domains, const std::vector<Index>& all,
+                                     Mat3X<Real>& external, Mat3X<Real>& dead) {
   condensed_->promote(picked(all, [&](Index i) {
     const auto around = elements.topology.around(i / 3);
     return condensed_->is_interior(i) && roles_.data()[i] == Role::none &&
@@ -198,9 +239,17 @@ void PrecomputedRegion<Real>::change(const Elements& elements, const RegionEdit&
       if (is_condensing()) add(recondensed_linearisation_, elements, t, sign, row, repeated);
     }
   };
+  const auto add_domain = [&](const SmoothedEdge& domain, double sign) {
+    if (!(domain.volume > 0)) return;
+    add_element(linearisation_.forces(elements, domain), domain.vertices, sign, row, now);
+    if (is_condensing())
+      add_element(recondensed_linearisation_.forces(elements, domain), domain.vertices, sign, row, repeated);
+  };
   add_members(edit.left, -1);
+  for (const SmoothedEdge& domain : domains.before) add_domain(domain, -1);
   change_members(elements, edit);
   add_members(edit.entered, 1);
+  for (Index e : domains.changed) add_domain(domains_[e], 1);
   const Loads before = loads_;
   take_loads(edit.vertices, external, dead);
   for (CondensedRegion::Change* change : {&now, &repeated})
@@ -233,16 +282,10 @@ template <class Real>
 void PrecomputedRegion<Real>::add(const Linearisation& linearisation, const Elements& elements, Index tet,
                                   double sign, const std::vector<Index>& row,
                                   CondensedRegion::Change& sum) const {
-  const Linearisation::Forces linear = linearisation.forces(elements, tet, corners_.col(tet));
+  if (!linearisation.is_element(elements, tet)) return;
+  const Eigen::Vector4i corners = corners_.col(tet);
   const double factor = sign * shares_[tet] / elements.share_of(tet);
-  std::array<Index, 12> at;
-  for (int i = 0; i < 12; ++i) at[i] = row[std::size_t(3 * corners_(i / 3, tet) + i % 3)];
-  for (int i = 0; i < 12; ++i) {
-    if (at[i] < 0) continue;
-    sum.loads(at[i], 0) += factor * linear.constant[i];
-    for (int j = 0; j < 12; ++j)
-      if (at[j] >= 0) sum.stiffness(at[i], at[j]) += factor * linear.K(i, j);
-  }
+  add_element(linearisation.forces(elements, tet, corners), corners, factor, row, sum);
 }
 
 template <class Real>

@@ -28,8 +28,7 @@ enum class RegionFrame : std::uint8_t {
 };
 enum class Evaluator : std::uint8_t { direct, stored };  // of the non-linear model: closed form, or B, C, D
 
-// Where a tetrahedron of the non-linear model has its strain: alone, or averaged around each of its edges
-// (fem/smoothed_edge.h).
+// Where a tetrahedron has its strain: alone, or averaged around each of its edges (fem/smoothed_edge.h).
 enum class ElementType : std::uint8_t { tetrahedron, edge_smoothed };
 
 struct Elastic {

@@ -44,6 +44,13 @@ void find_smoothed_edge(const Elements& elements, Index a, Index b, std::span<co
   for (Vec3d& gradient : edge.gradients) gradient /= edge.volume;
   edge.direction = principal_direction(elements, tets);
   edge.material = elements.material_of[std::size_t(tets[0])];
+  edge.model = elements.region_of[std::size_t(tets[0])];
+}
+
+Law<double> smoothed_linear_law(const Elements& elements, const SmoothedEdge& edge) {
+  Law<double> law = linear_law(elements.materials[edge.material]);
+  law.direction = edge.direction;
+  return law;
 }
 
 Law<double> smoothed_law(const Elements& elements, const SmoothedEdge& edge, double pressure) {

@@ -21,25 +21,34 @@ struct SmoothedEdge {
   double volume = 0;                // V_e [m³]; 0: the edge has no tetrahedron
   Vec3d direction = Vec3d::Zero();  // of the fibres, the principal one of its tetrahedra's
   std::uint16_t material = 0;
+  RegionModel model = RegionModel::nonlinear;  // of its tetrahedra
 };
 
-// Computes the domain of the edge (a, b) from its tetrahedra, which are of one material.
+// Computes the domain of the edge (a, b) from its tetrahedra, which are of one material and one model.
 void find_smoothed_edge(const Elements& elements, Index a, Index b, std::span<const Index> tets,
                         SmoothedEdge& edge);
 
 // ∇u of the domain, from differences to the first vertex, so that a translation gives exactly zero.
 template <class Real>
 Mat3<double> displacement_gradient(const SmoothedEdge& edge,
-                                   const Mat3X<Real>& u) {  // 3 × #vertices [m]
+                                   const Mat3X<Real>& u) {  // 3 × #vertices of the body [m]
   Mat3<double> H = Mat3<double>::Zero();
   const Vec3<Real> first = u.col(edge.vertices[0]);
   for (std::size_t j = 1; j < edge.vertices.size(); ++j)
     H += Vec3<Real>(u.col(edge.vertices[j]) - first).template cast<double>() * edge.gradients[j].transpose();
   return H;
 }
+// −V_e P b_j on each vertex of the domain, 3 × #its vertices [N].
+inline Mat3X<double> vertex_forces(const SmoothedEdge& edge, const Mat3<double>& P) {  // [Pa]
+  Mat3X<double> f(3, Eigen::Index(edge.vertices.size()));
+  for (std::size_t j = 0; j < edge.vertices.size(); ++j)
+    f.col(Eigen::Index(j)) = -edge.volume * P * edge.gradients[j];
+  return f;
+}
 
-// The law of its material, with the direction of its fibres. Volume term and guard are left out: they act on
-// each tetrahedron by itself.
+// The law of its material, with the direction of its fibres: the linear one (linear_law), or the non-linear
+// one without volume term and guard, which act on each tetrahedron by itself.
+Law<double> smoothed_linear_law(const Elements& elements, const SmoothedEdge& edge);
 Law<double> smoothed_law(const Elements& elements, const SmoothedEdge& edge,
                          double pressure = 0);  // mean of both ends [Pa]
 

@@ -129,7 +129,7 @@ template <class Real>
 typename Patches<Real>::Stiffness Regions<Real>::add_diagonal_stiffness(const Mat3X<Real>& u,
                                                                         DiagonalStiffness& K,
                                                                         Parallel& parallel) {
-  tensor_mass_.add_diagonal_stiffness(K);
+  tensor_mass_.add_diagonal_stiffness(u, K, parallel);
   auto found = nonlinear_.add_diagonal_stiffness(u, K, parallel);
   const auto full = reduced_.add_diagonal_stiffness(u, K, parallel);
   if (full.smallest_volume_ratio < found.smallest_volume_ratio) found = full;

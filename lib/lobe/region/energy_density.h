@@ -1,9 +1,10 @@
-// Energy and stress of one tetrahedron, by the model of its region or by a given one. Energies of regions are
-// sums of these.
+// Energy and stress of one tetrahedron or smoothing domain, by the model of its region or by a given one.
+// Energies of regions are sums of these.
 #pragma once
 
 #include "lobe/fem/law.h"
 #include "lobe/fem/law_of.h"
+#include "lobe/fem/smoothed_edge.h"
 
 namespace lobe {
 
@@ -22,6 +23,30 @@ inline Mat3<double> stress(const Elements& elements, Index tet, const Mat3<doubl
                            RegionModel model, double pressure = 0) {
   if (is_linear(model)) return linear_stress(linear_law(elements, tet), H);
   return law_stress(nonlinear_law(elements, tet, pressure), H);
+}
+
+// The same of a smoothing domain, which has neither volume term nor guard.
+inline double energy_density(const Elements& elements, const SmoothedEdge& edge, const Mat3<double>& H,
+                             RegionModel model, double pressure = 0) {  // mean of both ends [Pa]
+  if (is_linear(model)) return linear_energy_density(smoothed_linear_law(elements, edge), H);
+  return law_energy_density(smoothed_law(elements, edge, pressure), H);
+}
+inline Mat3<double> stress(const Elements& elements, const SmoothedEdge& edge, const Mat3<double>& H,
+                           RegionModel model, double pressure = 0) {
+  if (is_linear(model)) return linear_stress(smoothed_linear_law(elements, edge), H);
+  return law_stress(smoothed_law(elements, edge, pressure), H);
+}
+
+// What a tetrahedron has by itself: all, or, if its element is smoothed, volume term and guard.
+inline double unsmoothed_energy_density(const Elements& elements, Index tet, const Mat3<double>& H,
+                                        RegionModel model, double pressure = 0) {
+  if (!elements.elastic_of(tet).is_smoothed()) return energy_density(elements, tet, H, model, pressure);
+  return is_linear(model) ? 0 : law_energy_density(unsmoothed_law(elements, tet), H);
+}
+inline Mat3<double> unsmoothed_stress(const Elements& elements, Index tet, const Mat3<double>& H,
+                                      RegionModel model, double pressure = 0) {
+  if (!elements.elastic_of(tet).is_smoothed()) return stress(elements, tet, H, model, pressure);
+  return is_linear(model) ? Mat3<double>::Zero() : law_stress(unsmoothed_law(elements, tet), H);
 }
 
 }  // namespace lobe

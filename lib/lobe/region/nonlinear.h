@@ -20,7 +20,7 @@ class NonlinearRegion {
   // Takes the tetrahedra of this model.
   void follow(const Elements& elements, const RegionEdit& edit, RegionModel model = RegionModel::nonlinear) {
     elements_.follow(elements, edit.left, edit.entered, model);
-    if (model == RegionModel::nonlinear) smoothed_.follow(elements, edit.left, edit.entered);
+    smoothed_.follow(elements, edit.left, edit.entered, model);
     if (evaluator_ == Evaluator::stored) terms_.follow(elements, edit.left, edit.entered, model);
   }
 

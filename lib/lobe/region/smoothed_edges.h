@@ -1,8 +1,9 @@
-// The smoothing domains (fem/smoothed_edge.h) of a body whose mesh is being cut: one for each edge and
-// material of the tetrahedra of one model whose element is edge-smoothed. Averages cross neither materials
-// nor models. Domains come and go with their tetrahedra; the numbers of those that have gone are used again.
+// The smoothing domains (fem/smoothed_edge.h) of a body whose mesh is being cut: one for each edge, material
+// and model of the tetrahedra whose element is edge-smoothed. Averages cross neither materials nor models.
+// Domains come and go with their tetrahedra; the numbers of those that have gone are used again.
 #pragma once
 
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -13,13 +14,16 @@ namespace lobe {
 
 class SmoothedEdges {
  public:
-  explicit SmoothedEdges(RegionModel model = RegionModel::nonlinear) : model_(model) {}
-  explicit SmoothedEdges(const Elements& elements);  // of all non-linear tetrahedra that are alive
+  SmoothedEdges() = default;
+  // Of all tetrahedra that are alive, or of those of one model.
+  explicit SmoothedEdges(const Elements& elements, std::optional<RegionModel> only = {});
 
-  // Tetrahedra that left, then those that entered, as in RegionEdit. Returns the domains that are new, have
-  // changed or are gone. O(tetrahedra around them).
+  // Tetrahedra that left, then those that entered, as in RegionEdit; of the latter, only those of one model,
+  // if one is given. Returns the domains that are new, have changed or are gone, and adds them to `before` as
+  // they were. O(tetrahedra around them).
   std::vector<Index> follow(const Elements& elements, const std::vector<Index>& leave,
-                            const std::vector<Index>& enter);
+                            const std::vector<Index>& enter, std::optional<RegionModel> only = {},
+                            std::vector<SmoothedEdge>* before = nullptr);
 
   // Numbers not in use included: their domains have no volume.
   Index count() const { return static_cast<Index>(edges_.size()); }
@@ -31,10 +35,9 @@ class SmoothedEdges {
   const SmoothedEdge& operator[](Index edge) const { return edges_[std::size_t(edge)]; }
 
  private:
-  Index edge_at(Index a, Index b, std::uint16_t material);
+  Index edge_at(Index a, Index b, std::uint16_t material, RegionModel model);
   void drop(Index edge);
 
-  RegionModel model_;
   std::vector<SmoothedEdge> edges_;
   VertexLists<Index> tets_of_;                  // per domain
   VertexLists<Index> edges_at_;                 // per vertex: those of which it is the lower end

@@ -41,8 +41,14 @@ class DomainVectors {
   alignas(64) Real vectors_[256][4 * width];  // one byte numbers a vertex
 };
 
+template <Strain strain, class T>
+Mat3<T> stress_of(const Law<T>& law, const Mat3<T>& H) {
+  if constexpr (strain == Strain::small) return linear_stress(law, H);
+  return law_stress(law, H);
+}
+
 // The kernels are flattened (LOBE_FLATTEN): all formulas inline, however often they are used elsewhere.
-template <class Real, Terms terms>
+template <class Real, Terms terms, Strain strain = Strain::finite>
 LOBE_FLATTEN void add_forces_of(const SmoothedArrays<Real>& patch, Real* sums) {
   using T = Pack<Real>;
   using Lanes = DomainLanes<T>;
@@ -51,7 +57,7 @@ LOBE_FLATTEN void add_forces_of(const SmoothedArrays<Real>& patch, Real* sums) {
     for (int first = 0; first < SmoothedBlock<Real>::width; first += Lanes::count) {
       const Law<T> law = law_of_domains<T>(patch, terms, b, first);
       const Lanes e(patch, b, first);
-      const Mat3<T> minus_VP = law_stress(law.times(-e.V), e.H);
+      const Mat3<T> minus_VP = stress_of<strain>(law.times(-e.V), e.H);
       Vec3<T> of_first = Vec3<T>::Constant(T(0));
       for (Index j = 1; j < e.vertices; ++j) {
         const Vec3<T> f = minus_VP.lazyProduct(e.gradient(j));
@@ -109,8 +115,16 @@ constexpr bool evaluates(const Terms& terms, const Terms& of_law) {
   return terms.solid == of_law.solid && terms.fibre >= of_law.fibre && terms.pressure >= of_law.pressure;
 }
 
+template <class Real>
+void add_linear_forces(const SmoothedArrays<Real>& patch, Real* f) {
+  constexpr Terms with_fibre{.fibre = true};
+  if (patch.law.terms.fibre) return add_forces_of<Real, with_fibre, Strain::small>(patch, f);
+  add_forces_of<Real, Terms{}, Strain::small>(patch, f);
+}
+
 template <class Real, std::size_t i = 0>
 void add_forces(const SmoothedArrays<Real>& patch, PaddedVector<Real>* f) {
+  if (patch.strain == Strain::small) return add_linear_forces(patch, &f->xyz0[0]);
   if constexpr (i + 1 < std::size(smoothed_terms))
     if (!evaluates(smoothed_terms[i], patch.law.terms)) return add_forces<Real, i + 1>(patch, f);
   add_forces_of<Real, smoothed_terms[i]>(patch, &f->xyz0[0]);

@@ -37,6 +37,9 @@ struct alignas(64) DomainGradients {
   std::array<typename ElementBlock<Real>::Row, 9> entries;
 };
 
+// Whether domains have the law of the non-linear model or the linear one.
+enum class Strain : std::uint8_t { finite, small };
+
 template <class Real>
 struct SmoothedArrays {  // one patch: all its domains are of one material
   const SmoothedBlock<Real>* blocks;
@@ -49,9 +52,11 @@ struct SmoothedArrays {  // one patch: all its domains are of one material
   const PaddedVector<Real>* u;           // per vertex of the patch [m]
   const DomainGradients<Real>* H;        // per block, where they are known; else null
   Law<Real> law;                         // without its pressure and direction
+  Strain strain;
 };
 
-// The sums of terms for which kernels are compiled. The first is that of forces alone.
+// The sums of terms for which kernels of finite strain are compiled. The first is that of forces alone. Those
+// of small strain are compiled with and without fibres.
 inline constexpr Terms smoothed_terms[] = {{},
                                            {.pressure = true},
                                            {.pressure = true, .fibre = true},
@@ -65,7 +70,7 @@ struct SmoothedKernels {
   // ∇u, and V tr E [m³], block by block.
   void (*find_gradients)(const SmoothedArrays<Real>& patch, DomainGradients<Real>* H, Real* volume_strains);
   // Adds three of the six entries of the stiffness that each vertex feels when it moves while its neighbours
-  // are held [N/m].
+  // are held [N/m]. That of small strain is the one at rest.
   void (*add_stiffness)(const SmoothedArrays<Real>& patch, StiffnessPart part, PaddedVector<Real>* K);
 };
 

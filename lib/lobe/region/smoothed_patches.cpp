@@ -31,15 +31,16 @@ std::vector<typename SmoothedPatches<Real>::Layout::Item> SmoothedPatches<Real>:
 
 template <class Real>
 void SmoothedPatches<Real>::follow(const Elements& elements, const std::vector<Index>& leave,
-                                   const std::vector<Index>& enter) {
-  const std::vector<Index> edges = edges_.follow(elements, leave, enter);
+                                   const std::vector<Index>& enter, RegionModel model) {
+  const std::vector<Index> edges = edges_.follow(elements, leave, enter, model);
   if (edges.empty()) return;
   fibres_ = any_fibre(elements.materials);
   laws_.clear();
-  nodal_pressure_ = any_nodal_pressure(elements.materials);
+  const bool is_finite = strain_ == Strain::finite;
+  nodal_pressure_ = is_finite && any_nodal_pressure(elements.materials);
   for (const Elastic& elastic : elements.materials) {
-    laws_.push_back(nonlinear_law(elastic, 0, 0));
-    laws_.back().terms.pressure = elastic.nodal_lambda() > 0;
+    laws_.push_back(is_finite ? nonlinear_law(elastic, 0, 0) : linear_law(elastic));
+    laws_.back().terms.pressure = is_finite && elastic.nodal_lambda() > 0;
   }
   if (nodal_pressure_) {
     pressures_.follow(elements, edges_, edges);
@@ -129,7 +130,8 @@ SmoothedArrays<Real> SmoothedPatches<Real>::arrays(Index p, const LocalVectors& 
           pressure_.data(),
           u.data(),
           law.terms.pressure ? gradients_.data() + std::size_t(p) * patch_blocks : nullptr,
-          law.template as<Real>()};
+          law.template as<Real>(),
+          strain_};
 }
 
 // Gradients are kept for what is evaluated next.
@@ -175,7 +177,9 @@ double SmoothedPatches<Real>::energy(const Mat3X<Real>& u) {
     for (Index i = 0; i < layout_.patch(p).items; i += DomainLanes<T>::count) {
       const Index block = i / Block::width, first = i % Block::width;
       const DomainLanes<T> e(patch, block, first);
-      const T W = e.V * law_energy_density(law_of_domains<T>(patch, patch.law.terms, block, first), e.H);
+      const Law<T> law = law_of_domains<T>(patch, patch.law.terms, block, first);
+      const T W =
+          e.V * (strain_ == Strain::finite ? law_energy_density(law, e.H) : linear_energy_density(law, e.H));
       for (int lane = 0; lane < DomainLanes<T>::count; ++lane) sum += double(Real(W[lane]));  // 0 if empty
     }
   }
@@ -199,9 +203,11 @@ std::vector<Mat3<double>> SmoothedPatches<Real>::kept_gradients() const {
 
 // Two passes compute three entries each, which are added up like forces.
 template <class Real>
-void SmoothedPatches<Real>::add_diagonal_stiffness(const Mat3X<Real>& u, DiagonalStiffness& K,
+void SmoothedPatches<Real>::add_diagonal_stiffness(const Mat3X<Real>& at, DiagonalStiffness& K,
                                                    Parallel& parallel) {
   if (!any()) return;
+  const Mat3X<Real> rest = Mat3X<Real>::Zero(3, strain_ == Strain::finite ? 0 : at.cols());
+  const Mat3X<Real>& u = strain_ == Strain::finite ? at : rest;
   sums_.forget();  // the entries overwrite the stored forces
   if (nodal_pressure_) find_pressures(u, parallel);
   Mat3X<Real> entries(3, layout_.places().vertex_count());  // of the stiffness per vertex [N/m]

@@ -14,12 +14,12 @@ namespace lobe {
 template <class Real>
 class SmoothedPatches {
  public:
-  explicit SmoothedPatches(InstructionSet set = chosen_instruction_set(),
-                           RegionModel model = RegionModel::nonlinear)
-      : kernels_(smoothed_kernels<Real>(set)), edges_(model) {}
+  explicit SmoothedPatches(InstructionSet set = chosen_instruction_set(), Strain strain = Strain::finite)
+      : kernels_(smoothed_kernels<Real>(set)), strain_(strain) {}
 
-  // Throws InputError if a domain has more vertices than a patch.
-  void follow(const Elements& elements, const std::vector<Index>& leave, const std::vector<Index>& enter);
+  // Takes the tetrahedra of this model. Throws InputError if a domain has more vertices than a patch.
+  void follow(const Elements& elements, const std::vector<Index>& leave, const std::vector<Index>& enter,
+              RegionModel model = RegionModel::nonlinear);
   void add_forces(const Mat3X<Real>& u,  // 3 × #vertices [m]
                   Mat3X<Real>& f,        // 3 × #vertices [N]
                   Parallel& parallel);
@@ -56,6 +56,7 @@ class SmoothedPatches {
   std::vector<Mat3<double>> kept_gradients() const;
 
   SmoothedKernels<Real> kernels_;
+  Strain strain_;
   SmoothedEdges edges_;
   Layout layout_;
   std::vector<Law<double>> laws_;              // per material

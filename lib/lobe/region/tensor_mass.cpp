@@ -9,6 +9,10 @@
 namespace lobe {
 namespace {
 
+bool has_blocks(const Elements& elements, Index tet) {
+  return elements.region_of[tet] == RegionModel::tensor_mass && !elements.elastic_of(tet).is_smoothed();
+}
+
 int corner_of(const Eigen::Vector4i& corners, Index vertex) {
   for (int c = 0; c < 4; ++c)
     if (corners[c] == vertex) return c;
@@ -33,7 +37,7 @@ Mat3<double> block_of(const Elements& elements, Index tet, int corner, int other
   return block + fibre_block<double>(a, b, elastic.fibre.times(per_36_volumes), elements.fibre_of(tet));
 }
 
-// Sums K_ij over the region's tetrahedra that are alive. Returns whether there are any.
+// Sums K_ij over the region's plain tetrahedra that are alive. Returns whether there are any.
 bool sum_block(const Elements& elements, Index i, Index j, Mat3<double>& sum) {
   sum.setZero();
   bool any = false;
@@ -42,7 +46,7 @@ bool sum_block(const Elements& elements, Index i, Index j, Mat3<double>& sum) {
   const bool from_i = around_i.size() <= around_j.size();  // the shorter list
   for (Index t : from_i ? around_i : around_j) {
     if ((tets.col(t).array() != (from_i ? j : i)).all()) continue;
-    if (elements.region_of[t] != RegionModel::tensor_mass) continue;
+    if (!has_blocks(elements, t)) continue;
     const Eigen::Vector4i corners = tets.col(t);
     sum += block_of(elements, t, corner_of(corners, i), corner_of(corners, j));
     any = true;
@@ -58,7 +62,8 @@ void TensorMassRegion<Real>::follow(const Elements& elements, const RegionEdit& 
     Index edge;
     Mat3<Real> block;
   };
-  const auto enters = [&](Index t) { return elements.region_of[t] == RegionModel::tensor_mass; };
+  smoothed_.follow(elements, edit.left, edit.entered, RegionModel::tensor_mass);
+  const auto enters = [&](Index t) { return has_blocks(elements, t); };
   if (tet_count_ == 0 && std::none_of(edit.entered.begin(), edit.entered.end(), enters))
     return;  // without tetrahedra no memory is needed
   const std::vector<Index> removed = update_members(elements, edit);
@@ -94,7 +99,7 @@ std::vector<Index> TensorMassRegion<Real>::update_members(const Elements& elemen
     member_[t] = 0;
   }
   for (Index t : edit.entered) {
-    member_[t] = elements.region_of[t] == RegionModel::tensor_mass;
+    member_[t] = has_blocks(elements, t);
     tet_count_ += member_[t];
   }
   return removed;
@@ -184,6 +189,7 @@ void TensorMassRegion<Real>::write(Index edge, const Mat3<Real>& block) {
 
 template <class Real>
 void TensorMassRegion<Real>::add_forces(const Mat3X<Real>& u, Mat3X<Real>& f, Parallel& parallel) {
+  smoothed_.add_forces(u, f, parallel);
   if (tet_count_ == 0) return;
   sums_.add_forces(layout_, u, f, parallel, [&](Index p, const auto& local, PaddedVector<Real>* sums) {
     kernels_.add_edge_forces(blocks_.data() + std::size_t(p) * patch_blocks,
@@ -206,8 +212,8 @@ void TensorMassRegion<Real>::for_edges(Visit&& visit) const {
 }
 
 template <class Real>
-double TensorMassRegion<Real>::energy(const Mat3X<Real>& u) const {
-  double sum = 0;
+double TensorMassRegion<Real>::energy(const Mat3X<Real>& u) {
+  double sum = smoothed_.energy(u);
   for_edges(
       [&](Index i, Index j, const Mat3<double>& K) {  // minus half of each end's displacement times its force
         const Vec3d u_i = u.col(i).template cast<double>(), other = u.col(j).template cast<double>();
@@ -217,7 +223,9 @@ double TensorMassRegion<Real>::energy(const Mat3X<Real>& u) const {
 }
 
 template <class Real>
-void TensorMassRegion<Real>::add_diagonal_stiffness(DiagonalStiffness& K) const {
+void TensorMassRegion<Real>::add_diagonal_stiffness(const Mat3X<Real>& u, DiagonalStiffness& K,
+                                                    Parallel& parallel) {
+  smoothed_.add_diagonal_stiffness(u, K, parallel);
   for_edges([&](Index i, Index j, const Mat3<double>& B) {
     K.col(i) -= Eigen::Matrix<double, 6, 1>(B(0, 0), B(0, 1), B(0, 2), B(1, 1), B(1, 2), B(2, 2));
     K.col(j) -= Eigen::Matrix<double, 6, 1>(B(0, 0), B(1, 0), B(2, 0), B(1, 1), B(2, 1), B(2, 2));

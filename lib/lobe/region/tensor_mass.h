@@ -1,4 +1,6 @@
 // The linear tensor-mass region ([PDA] section 2.3): one 3 × 3 block per edge, f_i = −Σ_j K_ij (u_j − u_i).
+// Edge-smoothed tetrahedra couple three times as many pairs of vertices. They have no blocks: their domains
+// are evaluated with the linear law (smoothed_patches.h).
 //
 // The block of a vertex is minus the sum of those of its edges, because a translation costs no energy. So
 // only the blocks of edges are stored, and a translation gives exactly no force. Each edge is stored once and
@@ -7,6 +9,7 @@
 
 #include "lobe/fem/elements.h"
 #include "lobe/region/patch_sums.h"
+#include "lobe/region/smoothed_patches.h"
 #include "lobe/region/wide_kernels.h"
 
 namespace lobe {
@@ -15,12 +18,12 @@ template <class Real>
 class TensorMassRegion {
  public:
   explicit TensorMassRegion(InstructionSet set = chosen_instruction_set())
-      : kernels_(wide_kernels<Real>(set)) {}
+      : kernels_(wide_kernels<Real>(set)), smoothed_(set, Strain::small) {}
 
   // Sums again the blocks of the edges of an edit, from the tetrahedra that are left around them.
   void follow(const Elements& elements, const RegionEdit& edit);
 
-  Index tet_count() const { return tet_count_; }
+  Index tet_count() const { return tet_count_; }  // plain ones
   Index edge_count() const { return layout_.item_count(); }
 
   void add_forces(const Mat3X<Real>& u,  // 3 × #vertices [m]
@@ -29,9 +32,10 @@ class TensorMassRegion {
   template <class Visit>  // visit(layout, sums)
   void visit_patches(Visit&& visit) {
     visit(layout_, sums_);
+    smoothed_.visit_patches(visit);
   }
-  double energy(const Mat3X<Real>& u) const;  // [J]
-  void add_diagonal_stiffness(DiagonalStiffness& K) const;
+  double energy(const Mat3X<Real>& u);  // [J]
+  void add_diagonal_stiffness(const Mat3X<Real>& u, DiagonalStiffness& K, Parallel& parallel);
 
  private:
   using Layout = PatchLayout<2>;
@@ -63,6 +67,7 @@ class TensorMassRegion {
   Index edge_numbers_ = 0;             // in use or not
   std::vector<std::uint8_t> member_;   // per tetrahedron
   Index tet_count_ = 0;
+  SmoothedPatches<Real> smoothed_;
 };
 
 }  // namespace lobe

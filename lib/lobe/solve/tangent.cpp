@@ -32,11 +32,9 @@ void add_domains(const Elements& elements, const Averages& averages, const Mat3X
   for (Index e = 0; e < edges.count(); ++e) {
     const SmoothedEdge& edge = edges[e];
     if (!(edge.volume > 0)) continue;
-    const Law<double> law = smoothed_law(elements, edge, pressures[e]);
-    sums.energy += edge.volume * law_energy_density(law, gradients[e]);
-    const Mat3<double> VP = edge.volume * law_stress(law, gradients[e]);
-    for (std::size_t j = 0; j < edge.vertices.size(); ++j)
-      sums.forces.col(edge.vertices[j]) -= VP * edge.gradients[j];
+    sums.energy += edge.volume * energy_density(elements, edge, gradients[e], edge.model, pressures[e]);
+    const Mat3<double> P = stress(elements, edge, gradients[e], edge.model, pressures[e]);
+    sums.forces(Eigen::all, edge.vertices) += vertex_forces(edge, P);
   }
 }
 
@@ -58,11 +56,9 @@ EnergyAndForces energy_and_forces(const Elements& elements, const Averages& aver
         result.smallest_tet = t;
       }
     }
-    const bool is_linear_tet = is_linear(elements.region_of[t]);
-    const Law<double> law =
-        is_linear_tet ? linear_law(elements, t) : unsmoothed_law(elements, t, pressures[t]);
-    result.energy += s.volume * (is_linear_tet ? linear_energy_density(law, H) : law_energy_density(law, H));
-    const Mat3<double> P = is_linear_tet ? linear_stress(law, H) : law_stress(law, H);
+    const RegionModel model = elements.region_of[t];
+    result.energy += s.volume * unsmoothed_energy_density(elements, t, H, model, pressures[t]);
+    const Mat3<double> P = unsmoothed_stress(elements, t, H, model, pressures[t]);
     const Mat34<double> f = corner_forces<double>(s.volume * P, alpha);
     for (int c = 0; c < 4; ++c) result.forces.col(elements.topology.tets()(c, t)) += f.col(c);
   });
@@ -70,12 +66,27 @@ EnergyAndForces energy_and_forces(const Elements& elements, const Averages& aver
   return result;
 }
 
+namespace {
+
+// V linear_block() of each pair of these gradients.
+TetStiffness linear_stiffness(const Law<double>& law, const Mat34<double>& gradients, double volume) {
+  TetStiffness K;
+  for (int j = 0; j < 4; ++j)
+    for (int k = 0; k < 4; ++k)
+      K.block<3, 3>(3 * j, 3 * k) = volume * linear_block<double>(law, gradients.col(j), gradients.col(k));
+  return K;
+}
+
+}  // namespace
+
 Eigen::MatrixXd domain_stiffness(const Elements& elements, const SmoothedEdge& edge, const Mat3<double>& H,
-                                 double pressure) {
+                                 RegionModel model, double pressure) {
   Mat34<double> units = Mat34<double>::Zero();
   units.leftCols<3>().setIdentity();
   const Eigen::Matrix<double, 9, 9> C =
-      law_stiffness(smoothed_law(elements, edge, pressure), H, units).topLeftCorner<9, 9>();
+      (is_linear(model) ? linear_stiffness(smoothed_linear_law(elements, edge), units, 1)
+                        : law_stiffness(smoothed_law(elements, edge, pressure), H, units))
+          .topLeftCorner<9, 9>();
   Eigen::MatrixXd G = Eigen::MatrixXd::Zero(9, 3 * Eigen::Index(edge.vertices.size()));  // ∂F/∂u
   for (std::size_t j = 0; j < edge.vertices.size(); ++j)
     for (int d = 0; d < 3; ++d)
@@ -90,27 +101,19 @@ TetStiffness tet_stiffness(const Elements& elements, Index tet, const Mat34<doub
     const Mat3<double> H = displacement_gradient<double>(u, s.gradients.rightCols<3>());
     return s.volume * law_stiffness(nonlinear_law(elements, tet, pressure), H, s.gradients);
   }
-  const Law<double> law = linear_law(elements, tet);
-  TetStiffness K;
-  for (int j = 0; j < 4; ++j)
-    for (int k = 0; k < 4; ++k)
-      K.block<3, 3>(3 * j, 3 * k) =
-          s.volume * linear_block<double>(law, s.gradients.col(j), s.gradients.col(k));
-  return K;
+  return linear_stiffness(linear_law(elements, tet), s.gradients, s.volume);
 }
 
-namespace {
-
-// Of what the tetrahedron has by itself, beside its domains.
 TetStiffness unsmoothed_stiffness(const Elements& elements, Index tet, const Mat34<double>& u,
-                                  double pressure) {
-  const RegionModel model = elements.region_of[tet];
-  if (is_linear(model) || !elements.elastic_of(tet).is_smoothed())
-    return tet_stiffness(elements, tet, u, model, pressure);
+                                  RegionModel model, double pressure) {
+  if (!elements.elastic_of(tet).is_smoothed()) return tet_stiffness(elements, tet, u, model, pressure);
+  if (is_linear(model)) return TetStiffness::Zero();
   const Shape s = elements.shape_of(tet);
   const Mat3<double> H = displacement_gradient<double>(u, s.gradients.rightCols<3>());
   return s.volume * law_stiffness(unsmoothed_law(elements, tet), H, s.gradients);
 }
+
+namespace {
 
 // Vertices that share a domain and, perhaps, no tetrahedron, each pair once.
 std::vector<std::pair<Index, Index>> opposite_pairs(const SmoothedEdges& edges) {
@@ -212,7 +215,7 @@ void Tangent::for_places(std::span<const Index> vertices, Visit&& visit) const {
 
 Tangent::TetEntries Tangent::entries_of(Index tet, const Mat34<double>& u, double pressure) const {
   TetEntries entries{};
-  const TetStiffness K = unsmoothed_stiffness(elements_, tet, u, pressure);
+  const TetStiffness K = unsmoothed_stiffness(elements_, tet, u, elements_.region_of[tet], pressure);
   auto entry = entries.begin();
   for (int j = 0; j < 12; ++j)
     for (int i = j; i < 12; ++i) *entry++ = K(i, j);
@@ -243,8 +246,8 @@ void Tangent::update(const Mat3X<double>& u) {
     ++place;
   };
   for_domains([&](Index e) {
-    const Eigen::MatrixXd K =
-        domain_stiffness(elements_, averages_.edges[e], gradients[e], edge_pressures[e]);
+    const SmoothedEdge& edge = averages_.edges[e];
+    const Eigen::MatrixXd K = domain_stiffness(elements_, edge, gradients[e], edge.model, edge_pressures[e]);
     for (Eigen::Index j = 0; j < K.cols(); ++j)
       for (Eigen::Index i = j; i < K.rows(); ++i) add(K(i, j));
     if (!edge_nodes.any()) return;
@@ -314,7 +317,7 @@ Eigen::VectorXd Tangent::solve(const SparseFactor& factor, const Eigen::VectorXd
     const Mat3X<double> by = w(Eigen::all, edge.vertices);
     if (by.isZero(0)) return;
     const Eigen::VectorXd force =
-        domain_stiffness(elements_, edge, gradients[e], edge_pressures[e]) * by.reshaped();
+        domain_stiffness(elements_, edge, gradients[e], edge.model, edge_pressures[e]) * by.reshaped();
     f(Eigen::all, edge.vertices) += force.reshaped(3, by.cols());
     const double strain = slope_of(e, gradients[e]).dot(by.reshaped());
     for (Index n : averages_.edge_pressures.of(e))

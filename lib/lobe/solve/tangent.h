@@ -24,8 +24,8 @@ inline EnergyAndForces energy_and_forces(const Elements& elements, const Mat3X<d
   return energy_and_forces(elements, Averages(elements), u);
 }
 
-// ∂²W/∂u_j∂u_k of one plain tetrahedron at given nodal pressures, a 12 × 12 matrix of 3 × 3 blocks [N/m]:
-// V linear_block() of a linear one, else V times law_stiffness() (fem/law.h).
+// ∂²W/∂u_j∂u_k of one tetrahedron as if it were plain, at given nodal pressures, a 12 × 12 matrix of 3 × 3
+// blocks [N/m]: V linear_block() of a linear one, else V times law_stiffness() (fem/law.h).
 using TetStiffness = Eigen::Matrix<double, 12, 12>;
 TetStiffness tet_stiffness(const Elements& elements, Index tet, const Mat34<double>& u, RegionModel model,
                            double pressure = 0);  // mean of its nodes' [Pa]
@@ -33,10 +33,13 @@ inline TetStiffness tet_stiffness(const Elements& elements, Index tet, const Mat
   return tet_stiffness(elements, tet, u, elements.region_of[tet]);
 }
 
+// The same of what it has by itself: all, or, if its element is smoothed, volume term and guard.
+TetStiffness unsmoothed_stiffness(const Elements& elements, Index tet, const Mat34<double>& u,
+                                  RegionModel model, double pressure = 0);
 // The same of the vertices of a smoothing domain: V_e b_j·C b_k with C = ∂P/∂F.
 Eigen::MatrixXd domain_stiffness(const Elements& elements, const SmoothedEdge& edge,
-                                 const Mat3<double>& H,  // its ∇u
-                                 double pressure = 0);   // mean of both ends [Pa]
+                                 const Mat3<double>& H,                    // its ∇u
+                                 RegionModel model, double pressure = 0);  // mean of both ends [Pa]
 
 // The tangent assembled on the unknowns. The pattern is found once, the values at every state. Nodal
 // pressures (PressureNodes) couple all tetrahedra around a vertex. They are unknowns, too, so that the matrix

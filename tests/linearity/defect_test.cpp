@@ -57,17 +57,20 @@ Eigen::Matrix<double, 9, 1> direct_defect(const Setup& nonlinear, const Mat3X<do
   return moments(forces<double>(linear, u) - forces<double>(nonlinear, u), nonlinear);
 }
 
-// Without the terms, with the guard, with nodal pressure of a share of two materials, with both.
+// Without the terms, with the guard, with nodal pressure of a share of two materials, with both; of plain
+// tetrahedra, and of edge-smoothed ones in the first material.
 std::vector<Setup> setups_of_all_terms() {
   std::vector<Setup> setups;
-  for (double below : {0.0, 0.7})
-    for (double share : {0.0, 0.8}) {
-      Setup setup = hybrid_setup(irregular_box(4));
-      setup.region_of.assign(setup.region_of.size(), RegionModel::nonlinear);
-      setup = averaged(setup, share);
-      setup.guard_below = below;
-      setups.push_back(setup);
-    }
+  for (ElementType element : {ElementType::tetrahedron, ElementType::edge_smoothed})
+    for (double below : {0.0, 0.7})
+      for (double share : {0.0, 0.8}) {
+        Setup setup = hybrid_setup(irregular_box(4));
+        setup.region_of.assign(setup.region_of.size(), RegionModel::nonlinear);
+        setup = averaged(setup, share);
+        setup.materials[0].element = element;
+        setup.guard_below = below;
+        setups.push_back(setup);
+      }
   return setups;
 }
 

@@ -77,6 +77,20 @@ TEST_CASE("regions of a body with fibres keep the tolerance, as a solution of th
   CHECK(proposal.linear_share > 0.2);
 }
 
+TEST_CASE("regions of edge-smoothed tetrahedra keep the tolerance, as a solution of their own tells") {
+  const Setup setup = smoothed(held_liver());
+  const Gesture gesture = lift(setup, {0.004, -0.004, 0.03});
+  ProposalOptions options;
+  options.condense = false;
+  options.cost = usual_cost;
+  const Proposal proposal = propose_regions(setup, {gesture}, options);
+  const GestureOutcome& outcome = proposal.gestures.at(0);
+  CHECK(outcome.measured <= options.tolerance);
+  CHECK(measured_error(setup, gesture, proposal.region_of) == near(outcome.measured, 1e-4));
+  MESSAGE("linear share " << proposal.linear_share << ", measured " << outcome.measured);
+  CHECK(proposal.linear_share > 0.2);
+}
+
 TEST_CASE("precomputed regions are anchored, and as exact as they were proposed") {
   const Setup setup = held_liver();
   const Gesture gesture = lift(setup, {0.004, -0.004, 0.03});

@@ -112,6 +112,20 @@ TEST_CASE("with fibres, too, the error is estimated within a factor of two, and 
   CHECK(corrected.measured < 0.03);
 }
 
+TEST_CASE("of edge-smoothed tetrahedra the error is estimated within a factor of two, and corrected") {
+  const Setup setup = smoothed(grasped_liver(Vec3d(0.004, -0.004, 0.04), RegionModel::tensor_mass));
+  LinearityOptions options;
+  const Played left_alone = play(setup, options);
+  CHECK(left_alone.estimated < 2 * left_alone.measured);
+  CHECK(left_alone.estimated > left_alone.measured / 2);
+  options.correct = true;
+  const Played corrected = play(setup, options);
+  CHECK(left_alone.measured > 0.04);
+  CHECK(corrected.moved > 0);
+  MESSAGE("measured error: " << left_alone.measured << ", corrected " << corrected.measured);
+  CHECK(corrected.measured < 0.03);
+}
+
 TEST_CASE("who exceeds the tolerance is told, with the place") {
   LinearityOptions options;
   options.tolerance = 0.01;

@@ -6,7 +6,8 @@
 #include "lobe/fem/law.h"
 #include "lobe/fem/law_of.h"
 #include "lobe/numerics/symmetric_eigen.h"
-#include "lobe/region/nodal_pressure.h"
+#include "lobe/region/averages.h"
+#include "lobe/region/energy_density.h"
 
 namespace lobe {
 namespace {
@@ -15,6 +16,22 @@ using Column = Eigen::Matrix<double, 9, 1>;
 
 Column column(const Mat3<double>& A) { return A.reshaped(); }
 Mat3<double> matrix(const Column& a) { return a.reshaped(3, 3); }
+
+// D of each smoothing domain.
+std::vector<Column> domain_defects(const Elements& elements, const Averages& averages,
+                                   const Mat3X<double>& u) {
+  const std::vector<Mat3<double>> gradients = domain_gradients(averages.edges, u);
+  const std::vector<double> pressures = domain_pressures(averages.edges, averages.edge_pressures, gradients);
+  std::vector<Column> defects(gradients.size(), Column::Zero());
+  for (Index e = 0; e < averages.edges.count(); ++e) {
+    const SmoothedEdge& edge = averages.edges[e];
+    const auto i = std::size_t(e);
+    if (edge.volume > 0)
+      defects[i] = column(stress_defect(smoothed_law(elements, edge, pressures[i]),
+                                        smoothed_linear_law(elements, edge), gradients[i]));
+  }
+  return defects;
+}
 
 }  // namespace
 
@@ -37,15 +54,22 @@ Mat3<double> stress_defect(const Law<double>& law, const Law<double>& linear, co
 Defects exact_defects(const Elements& elements, const Zones& zones, const Mat3X<double>& u) {
   Elements nonlinear = elements;
   nonlinear.region_of.assign(elements.region_of.size(), RegionModel::nonlinear);
-  const std::vector<double> pressures = tet_pressures(nonlinear, PressureNodes(nonlinear), u);
+  const Averages averages(nonlinear);
+  const std::vector<double> pressures = tet_pressures(nonlinear, averages.nodes, u);
+  const std::vector<Column> of_domains = domain_defects(nonlinear, averages, u);
   Defects defects = Defects::Zero(9, zones.count());
   for (Index t = 0; t < static_cast<Index>(zones.of.size()); ++t) {
     if (!elements.topology.alive(t)) continue;
     const Shape s = elements.shape_of(t);
     const Mat34<double> corners = u(Eigen::all, elements.topology.corners(t));
     const Mat3<double> H = displacement_gradient<double>(corners, s.gradients.rightCols<3>());
-    const Law<double> law = nonlinear_law(elements, t, pressures[std::size_t(t)]);
-    defects.col(zones.of[t]) += s.volume * column(stress_defect(law, linear_law(elements, t), H));
+    const auto own = [&](RegionModel model) {
+      return unsmoothed_stress(elements, t, H, model, pressures[std::size_t(t)]);
+    };
+    const Mat3<double> D = own(RegionModel::nonlinear) - own(RegionModel::tensor_mass);
+    defects.col(zones.of[t]) += s.volume * column(D);
+    for (Index e : averages.edges.of(t))
+      if (e >= 0) defects.col(zones.of[t]) += s.volume / 6 * of_domains[std::size_t(e)];
   }
   return defects;
 }

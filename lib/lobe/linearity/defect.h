@@ -22,7 +22,7 @@ Mat3<double> stress_defect(const Law<double>& law, const Law<double>& linear, co
 using Defects = Eigen::Matrix<double, 9, Eigen::Dynamic>;
 
 // Defects of all zones, tetrahedron by tetrahedron, in a state of the non-linear body: u is 3 × #vertices
-// [m].
+// [m]. A tetrahedron has a sixth of its volume in each of its smoothing domains.
 Defects exact_defects(const Elements& elements, const Zones& zones, const Mat3X<double>& u);
 
 // Defects from the mean displacement gradients of zones alone, 9 × #zones; this costs next to nothing. A zone

@@ -23,8 +23,6 @@ constexpr Exclusion table[] = {
      "use \"direct\""},
     {Option::edge_smoothed, Option::reduced, "a cell of the lattice has the energy of plain tetrahedra",
      "use \"nonlinear\""},
-    {Option::edge_smoothed, Option::automatic, "estimated errors are of plain tetrahedra",
-     "leave one of them out"},
     {Option::partly_held, Option::precomputed, "a precomputed region knows wholly held vertices only",
      "use \"tensor-mass\" or \"nonlinear\""},
     {Option::partly_held, Option::reduced, "nodes of its lattice know wholly held vertices only",

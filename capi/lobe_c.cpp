@@ -380,6 +380,19 @@ lobe_status lobe_surface_acquire(lobe_session* session, lobe_surface* surface) {
   });
 }
 
+const uint8_t* lobe_surface_bodies(const lobe_surface* surface) {
+  if (surface == nullptr || surface->owner == nullptr) return nullptr;
+  return static_cast<const lobe_session::Buffers*>(surface->owner)->body.data();
+}
+
+uint32_t lobe_body_count(lobe_session* session) {
+  return session == nullptr ? 0 : std::max(1u, std::uint32_t(session->bodies.size()));
+}
+
+const char* lobe_body_name(lobe_session* session, uint32_t body) {
+  return session == nullptr || body >= session->bodies.size() ? "" : session->bodies[body].c_str();
+}
+
 void lobe_surface_release(lobe_session* session, lobe_surface* surface) {
   guarded([&] {
     if (session == nullptr || surface == nullptr || surface->owner == nullptr) return LOBE_OK;

@@ -169,6 +169,16 @@ typedef struct lobe_surface {
 /* The latest surface. Its buffers do not change until lobe_surface_release(). */
 LOBE_API lobe_status lobe_surface_acquire(lobe_session* session, lobe_surface* surface);
 LOBE_API void lobe_surface_release(lobe_session* session, lobe_surface* surface);
+/* Per triangle of a surface that was acquired: the number of its body. NULL for a surface that was not, or
+ * was released. */
+LOBE_API const uint8_t* lobe_surface_bodies(const lobe_surface* surface);
+
+/* ---- Several bodies in one scene */
+
+LOBE_API uint32_t lobe_body_count(lobe_session* session); /* 1 where the scene has one mesh; 0 for NULL */
+/* The name that the scene gives to a body, from 0; "" where it gives none, and for a body that there is not.
+ * It stays until lobe_close(). */
+LOBE_API const char* lobe_body_name(lobe_session* session, uint32_t body);
 
 /* ---- Files, written whole or not at all */
 

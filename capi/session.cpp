@@ -9,6 +9,7 @@
 #include "lobe/run/recording.h"
 #include "lobe/scene/bind_groups.h"
 #include "lobe/scene/read_scene.h"
+#include "lobe/scene/scene_mesh.h"
 #include "lobe/scene/write_scene.h"
 #include "lobe/text.h"
 
@@ -131,6 +132,7 @@ bool SessionOf<Real>::fill(lobe_surface& surface) {
     to->region[t] = static_cast<std::uint8_t>(from.mesh->region[t]);
   }
   to->cut = from.mesh->cut;
+  to->body = from.mesh->body;
   surface = {
       sizeof(lobe_surface), std::uint32_t(vertices), std::uint32_t(triangles), std::uint64_t(picture->frame),
       from.mesh->revision,  picture->time,           to->position.data(),      to->normal.data(),
@@ -144,15 +146,17 @@ bool SessionOf<Real>::fill(lobe_surface& surface) {
 std::unique_ptr<lobe_session> open(Scene scene, const lobe_options& options) {
   const Axes axes(options.axes);
   const SessionOptions chosen = session_options(options);
-  MeshFile mesh = read_mesh(mesh_path(scene));
+  MeshFile mesh = read_scene_mesh(scene);
   bind_groups(mesh, scene);
   Resolved resolved = resolve(scene, std::move(mesh.mesh));
+  std::vector<std::string> bodies = resolved.setup.mesh.bodies.names;
   std::unique_ptr<lobe_session> made;
   if (scene.in_double())
     made = std::make_unique<SessionOf<double>>(std::move(scene), std::move(resolved), chosen);
   else
     made = std::make_unique<SessionOf<float>>(std::move(scene), std::move(resolved), chosen);
   made->axes = axes;
+  made->bodies = std::move(bodies);
   return made;
 }
 

@@ -32,12 +32,13 @@ struct lobe_session {
   struct Buffers {
     std::vector<float> position, normal;
     std::vector<std::uint32_t> index;
-    std::vector<std::uint8_t> region, cut;
+    std::vector<std::uint8_t> region, cut, body;
   };
   std::unique_ptr<Buffers> take_buffers();
   void give_back(std::unique_ptr<Buffers> buffers);
 
   lobe::c::Axes axes;
+  std::vector<std::string> bodies;    // names of several
   std::mutex driving;                 // held by whoever starts, stops or advances it
   lobe::c::HapticTools haptic_tools;  // emptied before the session goes
 

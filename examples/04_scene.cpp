@@ -8,7 +8,7 @@
 
 int main(int argc, char** argv) try {
   const lobe::Scene scene = lobe::read_scene(argc > 1 ? argv[1] : "data/scenes/liver_resection.json");
-  const lobe::Resolved resolved = lobe::resolve(scene, lobe::read_mesh(lobe::mesh_path(scene)).mesh);
+  const lobe::Resolved resolved = lobe::resolve(scene, lobe::read_scene_mesh(scene).mesh);
   lobe::World<float> world(resolved.setup);
   lobe::Index burnt = 0;
   const lobe::Frames frames = lobe::frames_of(scene.time);

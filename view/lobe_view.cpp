@@ -16,6 +16,7 @@
 #include "lobe/io/mesh_io.h"
 #include "lobe/scene/bind_groups.h"
 #include "lobe/scene/read_scene.h"
+#include "lobe/scene/scene_mesh.h"
 #include "page_files.h"
 #include "token.h"
 #include "viewer.h"
@@ -90,7 +91,9 @@ void add_options(CLI::App& app, Arguments& options) {
 }
 
 // Whether the mesh of a scene lies in the scene's folder.
-bool is_beside(const Scene& scene) { return scene.mesh.is_relative() && !scene.mesh.has_parent_path(); }
+bool is_beside(const Scene& scene) {
+  return !scene.mesh.empty() && scene.mesh.is_relative() && !scene.mesh.has_parent_path();
+}
 
 // Removes a scene that was written for this call alone, a mesh beside it, and their folder if it is empty
 // then; also where they cannot be read.
@@ -111,8 +114,8 @@ std::pair<Scene, Resolved> load(const Arguments& options) {
   if (options.is_temporary) temporary.emplace(options.scene);
   Scene scene = read_scene(options.scene);
   if (temporary && is_beside(scene)) temporary->mesh = mesh_path(scene);
-  if (!options.mesh.empty()) scene.mesh = std::filesystem::absolute(options.mesh);
-  MeshFile mesh = read_mesh(mesh_path(scene));
+  if (!options.mesh.empty()) replace_mesh(options.mesh, scene);
+  MeshFile mesh = read_scene_mesh(scene);
   bind_groups(mesh, scene);
   print_warnings(mesh.warnings());
   const auto resolved_with_progress = [&] {

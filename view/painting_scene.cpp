@@ -5,8 +5,8 @@
 
 #include "lobe/error.h"
 #include "lobe/file/atomic_file.h"
-#include "lobe/io/mesh_io.h"
 #include "lobe/scene/read_scene.h"
+#include "lobe/scene/scene_mesh.h"
 #include "lobe/scene/write_scene.h"
 #include "painting.h"
 
@@ -128,9 +128,10 @@ Scene Painting::scene(const std::filesystem::path& mesh) const {
 
 std::filesystem::path Painting::save(const std::filesystem::path& folder, const std::string& name) const {
   check_file_name(name);
-  const std::filesystem::path file = folder / (name + ".json"), mesh_file = folder / (name + ".vtu");
-  write_vtu(mesh_file, mesh());
-  io::write_file(file, to_json(scene(mesh_file.filename())));
+  const std::filesystem::path file = folder / (name + ".json");
+  Scene painted = scene(name + ".vtu");
+  save_scene_mesh(mesh(), folder, name, painted);
+  io::write_file(file, to_json(painted));
   return file;
 }
 

@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "lobe/file/atomic_file.h"
-#include "lobe/io/mesh_io.h"
+#include "lobe/scene/scene_mesh.h"
 #include "lobe/scene/write_scene.h"
 
 namespace lobe::view {
@@ -15,10 +15,9 @@ void Recordings::write(const Part& part) {
   if (part.number > 1) {
     const std::string stem = file_.stem().string() + "." + std::to_string(part.number);
     Scene painted = part.scene;
-    painted.mesh = stem + ".vtu";
+    save_scene_mesh(part.mesh, folder, stem, painted);
     scene = folder / (stem + ".json");
     recording = folder / (stem + file_.extension().string());
-    write_vtu(folder / painted.mesh, part.mesh);
     io::write_file(scene, to_json(painted));
   }
   part.live->write_recording(recording);

@@ -6,8 +6,8 @@
 
 #include "lobe/error.h"
 #include "lobe/file/atomic_file.h"
-#include "lobe/io/mesh_io.h"
 #include "lobe/live/session_scene.h"
+#include "lobe/scene/scene_mesh.h"
 #include "lobe/scene/write_scene.h"
 #include "viewer.h"
 
@@ -166,11 +166,7 @@ void Viewer::perform(ClientId, const request::Export& what) {
   claim(what.to);
   claim(what.to + "_gestures");
   Scene scene = live_->hands_scene();
-  if (saves_mesh_) {
-    scene.mesh = what.to + ".vtu";
-    scene.mesh_scale = 1;  // the mesh of the setup is scaled
-    write_vtu(options_.folder / scene.mesh, resolved_.setup.mesh);
-  }
+  if (saves_mesh_) save_scene_mesh(resolved_.setup.mesh, options_.folder, what.to, scene);
   const std::filesystem::path file = options_.folder / (what.to + ".json");
   io::write_file(file, to_json(scene));
   saved_.insert(what.to);

@@ -22,6 +22,7 @@
 #include "lobe/scene/bind_groups.h"
 #include "lobe/scene/describe.h"
 #include "lobe/scene/read_scene.h"
+#include "lobe/scene/scene_mesh.h"
 #include "lobe/scene/unit_checks.h"
 #include "lobe/sim/rest_time_step.h"
 #include "lobe/text.h"
@@ -40,8 +41,8 @@ struct Loaded {
 // Loads a scene. Automatic regions are chosen by static solutions of the gestures.
 Loaded load(const SceneOptions& options, bool choose_regions = true) {
   Scene scene = read_scene(options.scene);
-  if (!options.mesh.empty()) scene.mesh = std::filesystem::absolute(options.mesh);
-  MeshFile mesh = read_mesh(mesh_path(scene));
+  if (!options.mesh.empty()) replace_mesh(options.mesh, scene);
+  MeshFile mesh = read_scene_mesh(scene);
   bind_groups(mesh, scene);
   std::vector<std::string> warnings = mesh.warnings();
   ProgressBar bar("choosing regions");

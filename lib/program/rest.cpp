@@ -12,6 +12,7 @@
 #include "lobe/scene/bind_groups.h"
 #include "lobe/scene/read_scene.h"
 #include "lobe/scene/resolve.h"
+#include "lobe/scene/scene_mesh.h"
 
 namespace lobe::program {
 namespace {
@@ -46,8 +47,8 @@ int rest(const RestOptions& options) {
   if (options.output.extension() != ".vtu")
     throw InputError(options.output.string(), "the mesh is written as VTU; give a name that ends in .vtu");
   Scene scene = read_scene(options.scene);
-  if (!options.mesh.empty()) scene.mesh = std::filesystem::absolute(options.mesh);
-  MeshFile file = read_mesh(mesh_path(scene));
+  if (!options.mesh.empty()) replace_mesh(options.mesh, scene);
+  MeshFile file = read_scene_mesh(scene);
   bind_groups(file, scene);
   print_warnings(file.warnings());
   const Resolved resolved = resolve(scene, std::move(file.mesh), {false});

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "lobe/diagnostics/fields.h"
+#include "lobe/error.h"
 #include "lobe/file/atomic_file.h"
 #include "lobe/io/mesh_io.h"
 #include "lobe/scene/read_scene.h"
@@ -169,6 +170,8 @@ bool solve_scene(const Ranks& ranks, const SceneOptions& options) {
   Scene scene;
   ranks.together([&] { scene = read_scene(options.scene); });
   if (!options.mesh.empty()) scene.mesh = std::filesystem::absolute(options.mesh);
+  if (!scene.bodies.empty())
+    throw InputError("/bodies", "lobe-petsc solves scenes of one mesh: use lobe solve");
   if (!scene.tools.empty()) run.warnings.push_back("tools are ignored in a static solution");
   const std::string name = mesh_path(scene).string();
   auto phase = Clock::now();

@@ -8,6 +8,7 @@
 #include "lobe/run/solve.h"
 #include "lobe/scene/describe.h"
 #include "lobe/scene/listed_regions.h"
+#include "lobe/scene/scene_mesh.h"
 #include "lobe/scene/write_scene.h"
 #include "scene.h"
 
@@ -50,6 +51,8 @@ std::shared_ptr<PyScene> scene_of(const py::object& document, std::shared_ptr<Te
     text = document.cast<std::string>();
   } else if (py::isinstance<py::dict>(document)) {
     const py::dict copy(document.attr("copy")());
+    if (mesh && copy.contains("bodies"))
+      throw InputError("mesh", "the document has \"bodies\", whose meshes are files");
     if (mesh && !copy.contains("mesh")) copy["mesh"] = "in memory";
     text = text_of(copy);
   } else {
@@ -57,7 +60,7 @@ std::shared_ptr<PyScene> scene_of(const py::object& document, std::shared_ptr<Te
   }
   Scene scene = parse_scene(text, folder / "scene.json");
   if (!regions.is_none()) {
-    const Index tets = mesh ? mesh->tet_count() : read_mesh(mesh_path(scene)).mesh.tet_count();
+    const Index tets = mesh ? mesh->tet_count() : read_scene_mesh(scene).mesh.tet_count();
     list_regions(models_of(regions, tets), scene);
   }
   return placed(std::move(scene), std::move(mesh));
@@ -70,21 +73,37 @@ Scene anywhere(const PyScene& self) {
   return scene;
 }
 
+// A mesh in memory that has bodies, as that of another scene may have, is written body by body.
+void save_mesh(const TetMesh& mesh, const std::filesystem::path& folder, const std::string& stem,
+               Scene& scene) {
+  if (!mesh.bodies.any()) {
+    scene.mesh = stem + ".vtu";
+    return write_vtu(folder / scene.mesh, mesh);
+  }
+  TetMesh in_metres = mesh;
+  in_metres.points *= scene.mesh_scale;
+  for (const std::string& name : mesh.bodies.names) scene.bodies.push_back({.name = name, .mesh = {}});
+  save_scene_mesh(in_metres, folder, stem, scene);
+}
+
 void save_scene(const PyScene& self, const std::filesystem::path& file, bool chosen_regions) {
   Scene scene = anywhere(self);
   if (chosen_regions) state_regions(self.resolved().setup, scene);
   const py::gil_scoped_release others_run;
   if (self.mesh()) {
-    scene.mesh = file.stem().concat(".vtu");
-    write_vtu(file.parent_path() / scene.mesh, *self.mesh());
+    save_mesh(*self.mesh(), file.parent_path(), file.stem().string(), scene);
   }
   io::write_file(file, to_json(scene));
 }
 
 std::string describe_scene(const PyScene& self) {
   const std::string name = self.scene().name.empty() ? "" : " \"" + self.scene().name + "\"";
-  const std::string mesh = self.mesh() ? std::to_string(self.mesh()->tet_count()) + " tetrahedra in memory"
-                                       : mesh_path(self.scene()).string();
+  std::string mesh;
+  if (self.mesh())
+    mesh = std::to_string(self.mesh()->tet_count()) + " tetrahedra in memory";
+  else
+    for (const std::filesystem::path& file : mesh_paths(self.scene()))
+      mesh += (mesh.empty() ? "" : ", ") + file.string();
   return "<lobe.Scene" + name + ": " + mesh + ">";
 }
 

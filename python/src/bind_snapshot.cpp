@@ -73,6 +73,13 @@ void bind_surface(py::module_& module) {
           },
           "(t,) uint8, the code of the model of each triangle's tetrahedron, read-only.")
       .def_property_readonly(
+          "body",
+          [](py::object self) {
+            const auto& body = mesh_of(self.cast<PySurface&>()).body;
+            return read_only(body.data(), {py::ssize_t(body.size())}, self);
+          },
+          "(t,) uint8, the place of each triangle's body in World.bodies, 0 where there are none, read-only.")
+      .def_property_readonly(
           "cut",
           [](py::object self) {
             const auto& cut = mesh_of(self.cast<PySurface&>()).cut;

@@ -180,6 +180,23 @@ std::string describe_world(PyWorld& world) {
   return "<lobe.World: " + text + ", " + (world.in_double ? "double" : "single") + " precision>";
 }
 
+py::list bodies_of(PyWorld& world) {
+  py::list bodies;
+  for (const BodyFigures& body : world.use([](AnyWorld& any) { return any.bodies(); })) {
+    py::dict entry;
+    entry["name"] = body.name;
+    entry["tetrahedra"] = body.tets;
+    entry["mass"] = body.mass;
+    entry["volume"] = body.volume;
+    entry["kinetic"] = body.kinetic;
+    entry["elastic"] = body.elastic;
+    entry["centre"] = copied(body.centre);
+    entry["momentum"] = copied(body.momentum);
+    bodies.append(entry);
+  }
+  return bodies;
+}
+
 void add_state(WorldClass& world) {
   world
       .def_property_readonly(
@@ -207,6 +224,11 @@ void add_state(WorldClass& world) {
           "forces",
           [](PyWorld& self) { return copied(self.use([](AnyWorld& any) { return any.forces(); })); },
           "Returns the internal and external forces on vertices at the present state, (n, 3) [N]; a copy.")
+      .def_property_readonly(
+          "bodies", &bodies_of,
+          "A list with a dictionary for each body of a scene that has \"bodies\", in their order: name, "
+          "tetrahedra that are\nleft, mass [kg], volume [m³], kinetic and elastic energy [J], centre of mass "
+          "(3,) [m], momentum (3,) [kg m/s].")
       .def("energies", &energies_of, "Returns a dictionary of energies [J].")
       .def(
           "time_step_limit",

@@ -2,6 +2,7 @@
 
 #include "lobe/io/mesh_io.h"
 #include "lobe/scene/bind_groups.h"
+#include "lobe/scene/scene_mesh.h"
 
 namespace lobe::python {
 namespace {
@@ -22,7 +23,7 @@ const Resolved& PyScene::resolved() const {
   if (!resolved_) {
     Scene scene = scene_;
     MeshFile file;
-    if (!mesh_) bind_groups(file = read_mesh(mesh_path(scene_)), scene);
+    if (!mesh_) bind_groups(file = read_scene_mesh(scene_), scene);
     Resolved resolved = resolve(scene, mesh_ ? *mesh_ : std::move(file.mesh), {!choice_});
     if (choice_) take_choice(*choice_, resolved);
     resolved_ = std::make_unique<const Resolved>(std::move(resolved));

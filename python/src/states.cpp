@@ -58,9 +58,11 @@ std::optional<Choice> choice_of(const py::object& state) {
 
 py::tuple mesh_state(const TetMesh& mesh) {
   const py::ssize_t tets = mesh.tet_count();
-  return py::make_tuple(copied(mesh.points), py::array_t<int>({tets, py::ssize_t{4}}, mesh.tets.data()),
-                        py::array_t<int>(py::ssize_t(mesh.labels.size()), mesh.labels.data()),
-                        copied(mesh.fibres));
+  return py::make_tuple(
+      copied(mesh.points), py::array_t<int>({tets, py::ssize_t{4}}, mesh.tets.data()),
+      py::array_t<int>(py::ssize_t(mesh.labels.size()), mesh.labels.data()), copied(mesh.fibres),
+      mesh.bodies.names,
+      py::bytes(reinterpret_cast<const char*>(mesh.bodies.of.data()), mesh.bodies.of.size()));
 }
 
 std::shared_ptr<TetMesh> mesh_of_state(const py::tuple& state) {
@@ -70,6 +72,9 @@ std::shared_ptr<TetMesh> mesh_of_state(const py::tuple& state) {
   const auto labels = state[2].cast<py::array_t<int>>();
   mesh->labels.assign(labels.data(), labels.data() + labels.size());
   mesh->fibres = columns3(state[3], "fibres");
+  mesh->bodies.names = state[4].cast<std::vector<std::string>>();
+  const auto bodies = state[5].cast<std::string>();
+  mesh->bodies.of.assign(bodies.begin(), bodies.end());
   prepare(*mesh, "mesh");
   return mesh;
 }

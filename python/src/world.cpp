@@ -20,6 +20,10 @@ class WorldOf : public AnyWorld {
   }
   Mat3X<double> forces() override { return world_.forces().template cast<double>(); }
   Energies energies() override { return world_.energies(); }
+  std::vector<BodyFigures> bodies() override {
+    const StateView<Real> now = world_.state();
+    return body_figures(elements(), now.u.template cast<double>(), now.v.template cast<double>());
+  }
   double time_step_limit() override { return world_.time_step_limit(); }
   PyCheckpoint save() const override { return {world_.save()}; }
   void restore(const PyCheckpoint& checkpoint) override {

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "checkpoint.h"
+#include "lobe/diagnostics/body_figures.h"
 #include "lobe/sim/world.h"
 #include "scene.h"
 #include "snapshot.h"
@@ -25,6 +26,7 @@ class AnyWorld {
   virtual Mat3X<double> positions() = 0;  // 3 × #vertices [m]
   virtual Mat3X<double> forces() = 0;     // 3 × #vertices [N]
   virtual Energies energies() = 0;
+  virtual std::vector<BodyFigures> bodies() = 0;
   virtual double time_step_limit() = 0;
   virtual PyCheckpoint save() const = 0;
   virtual void restore(const PyCheckpoint& checkpoint) = 0;

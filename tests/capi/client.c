@@ -36,6 +36,32 @@ static double enclosed(const lobe_surface* s) { /* [m3], by the divergence theor
   return six / 6;
 }
 
+/* Names of bodies, and the body of each triangle. */
+static void two_bodies(const char* data) {
+  static const char* organs =
+      "{\"bodies\": [{\"name\": \"left\", \"mesh\": \"meshes/beam_1k.vtu\"},"
+      "{\"name\": \"right\", \"mesh\": \"meshes/beam_1k.vtu\", \"position\": [0.2, 0, 0]}],"
+      "\"materials\": [{\"lame_lambda\": 4e4, \"lame_mu\": 1e4}], \"contact\": {\"self\": true}}";
+  lobe_session* session = NULL;
+  CHECK(lobe_open_text(organs, data, NULL, &session) == LOBE_OK);
+  if (!session) return;
+  CHECK(lobe_body_count(session) == 2 && lobe_body_count(NULL) == 0);
+  CHECK(!strcmp(lobe_body_name(session, 0), "left") && !strcmp(lobe_body_name(session, 1), "right"));
+  CHECK(!strcmp(lobe_body_name(session, 2), "") && !strcmp(lobe_body_name(NULL, 0), ""));
+  lobe_surface surface = {.size = sizeof surface};
+  CHECK(lobe_surface_bodies(&surface) == NULL && lobe_surface_bodies(NULL) == NULL);
+  CHECK(lobe_surface_acquire(session, &surface) == LOBE_OK);
+  const uint8_t* body = lobe_surface_bodies(&surface);
+  CHECK(body != NULL && surface.triangles > 0);
+  uint32_t wrong = 0;
+  for (uint32_t t = 0; body != NULL && t < surface.triangles; ++t)
+    wrong += body[t] != (surface.position[3 * surface.index[3 * t]] > 0.15f);
+  CHECK(wrong == 0);
+  lobe_surface_release(session, &surface);
+  CHECK(lobe_surface_bodies(&surface) == NULL);
+  lobe_close(session);
+}
+
 /* The layout that callers in other languages have written down. */
 static void layout(void) {
   CHECK(lobe_abi_version() == LOBE_ABI_VERSION);
@@ -448,6 +474,7 @@ static void servo(const char* data) {
 int main(int argc, char** argv) {
   if (argc != 3) return 2;
   layout();
+  two_bodies(argv[1]);
   lift_and_burn(argv[1], argv[2]);
   save_and_restore(argv[1], argv[2]);
   other_axes(argv[1]);

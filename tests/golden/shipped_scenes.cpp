@@ -1,9 +1,9 @@
 #include "golden/golden.h"
-#include "lobe/io/mesh_io.h"
 #include "lobe/linearity/mass_watch.h"
 #include "lobe/linearity/watch.h"
 #include "lobe/scene/read_scene.h"
 #include "lobe/scene/resolve.h"
+#include "lobe/scene/scene_mesh.h"
 
 namespace lobe::test {
 namespace {
@@ -49,7 +49,7 @@ std::vector<GoldenRun> shipped_scenes() {
     runs.push_back({name, [name](int threads) {
                       const Scene scene =
                           read_scene(std::filesystem::path(LOBE_DATA_DIR) / "scenes" / (name + ".json"));
-                      Resolved resolved = resolve(scene, read_mesh(mesh_path(scene)).mesh, {false});
+                      Resolved resolved = resolve(scene, read_scene_mesh(scene).mesh, {false});
                       if (scene.auto_regions) choose_regions(scene, resolved);
                       return play_scene<float>(scene, resolved, threads);
                     }});

@@ -89,7 +89,7 @@ TEST_CASE("unknown keys are refused with a suggestion") {
       {R"({"tools": [{"type": "cautery", "radius": 1, "path": [[0, 0, 0, 0]], "release": true}]})",
        "/tools/0: unknown key \"release\"; known here: \"name\", \"path\", \"radius\", \"type\""},
       {R"({"a\nb": 1, "time": {"x~/": 1}})",
-       "scene.json: unknown key \"a\\nb\"; known here: \"$schema\", \"boundary\", \"comment\", "
+       "scene.json: unknown key \"a\\nb\"; known here: \"$schema\", \"bodies\", \"boundary\", \"comment\", "
        "\"contact\", \"evaluator\", "
        "\"gravity\", \"guard_below\", \"loose_pieces\", \"materials\", \"mesh\", \"mesh_scale\", \"name\", "
        "\"output\", "
@@ -116,7 +116,8 @@ TEST_CASE("keys of an earlier format are refused with what to do instead") {
 }
 
 TEST_CASE("the top level needs a mesh and materials") {
-  CHECK(message("{}") == "scene.json: needs \"mesh\"\nscene.json: needs \"materials\"");
+  CHECK(message("{}") ==
+        "scene.json: needs \"materials\"\nscene.json: needs exactly one of \"mesh\" or \"bodies\"");
   CHECK(message("[]") == "scene.json: [], must be an object");
   CHECK(message("3") == "scene.json: 3, must be an object");
   check({{R"({"mesh": ""})", "/mesh: must not be empty"},
@@ -196,13 +197,13 @@ TEST_CASE("a boundary entry is one condition and where it acts") {
   });
 }
 
-TEST_CASE("a selector is one of eleven, with sensible values") {
+TEST_CASE("a selector is one of fourteen, with sensible values") {
   const auto region = [](const std::string& where) {
     return message(with(R"({"regions": [{"model": "nonlinear", "where": )" + where + "}]}"));
   };
   const std::string here = "/regions/0/where";
   const std::string one =
-      ": needs exactly one of \"all\", \"all_of\", \"any_of\", \"box\", \"label\", \"nearest\", "
+      ": needs exactly one of \"all\", \"all_of\", \"any_of\", \"body\", \"box\", \"label\", \"nearest\", "
       "\"not\", \"patch\", \"plane\", \"sphere\", \"surface\", \"tetrahedra\" or \"vertices\"";
   CHECK(region("{}") == here + one);
   CHECK(region(R"({"all": true, "label": 1})") == here + one + ", has 2");

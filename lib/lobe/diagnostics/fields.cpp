@@ -79,10 +79,18 @@ void write_frame(const std::filesystem::path& file, const Elements& elements, co
   std::vector<DataArray> cells;
   for (DataArray* array : {&region, &ratio, &strain, &stress, &von_mises, &density, &source})
     cells.push_back(std::move(*array));
+  if (elements.bodies.any()) cells.push_back(body_cells(elements, there));
   if (!is_embedded.empty()) cells.push_back(embedded_cells(elements, there, is_embedded));
   std::vector<DataArray> points{{"displacement", u, Type::float64}, {"velocity", v, Type::float64}};
   if (reactions.cols() > 0) points.push_back({"reaction", reactions, Type::float64});
   write_vtu(file, mesh, points, cells);
+}
+
+DataArray body_cells(const Elements& elements, const std::vector<Index>& tets) {
+  DataArray array{"body", Eigen::MatrixXd(1, tets.size()), DataArray::Type::int32};
+  for (std::size_t i = 0; i < tets.size(); ++i)
+    array.values(0, Eigen::Index(i)) = elements.bodies.body_of(tets[i]);
+  return array;
 }
 
 DataArray embedded_cells(const Elements& elements, const std::vector<Index>& tets,

@@ -22,13 +22,16 @@ TetFields tet_fields(const Elements& elements, Index tet,
 // order of the input. It has the point data displacement [m], velocity [m/s], reaction [N] (if `reactions`
 // has columns: what holds the body acts on it with these forces), and the cell data region,
 // volume_ratio, strain, stress (xx, yy, zz, xy, yz, xz) [Pa], von_mises [Pa], density [kg/m³], source (the
-// input's tetrahedron), and the labels. Throws InputError if the file cannot be written.
+// input's tetrahedron), and the labels; of a mesh of several bodies also body. Throws InputError if the file
+// cannot be written.
 // `is_embedded`: per vertex, whether the lattice of a reduced region moves it. If it is not empty, the cell
 // data embedded is 1 where the lattice moves all corners.
 void write_frame(const std::filesystem::path& file, const Elements& elements, const Mat3X<double>& u,
                  const Mat3X<double>& v, const std::vector<std::uint8_t>& is_embedded = {},
                  const Mat3X<double>& reactions = {});
 
+// The cell data body of tetrahedra, in this order: the place of its body among those of the mesh.
+DataArray body_cells(const Elements& elements, const std::vector<Index>& tets);
 // The cell data embedded of tetrahedra, in this order.
 DataArray embedded_cells(const Elements& elements, const std::vector<Index>& tets,
                          const std::vector<std::uint8_t>& is_embedded);

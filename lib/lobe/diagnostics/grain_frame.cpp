@@ -69,11 +69,10 @@ void write_grain_frame(const std::filesystem::path& file, const Elements& elemen
   }
   std::vector<DataArray> all{cells.region, cells.source, cells.parent,  cells.skin,
                              cells.stroke, cells.ratio,  cells.density, cells.von_mises};
-  if (!is_embedded.empty()) {
-    std::vector<Index> tets;
-    for (const Index g : there) tets.push_back(grains[g].element);
-    all.push_back(embedded_cells(elements, tets, is_embedded));
-  }
+  std::vector<Index> tets;
+  for (const Index g : there) tets.push_back(grains[g].element);
+  if (elements.bodies.any()) all.push_back(body_cells(elements, tets));
+  if (!is_embedded.empty()) all.push_back(embedded_cells(elements, tets, is_embedded));
   write_vtu(file, mesh, {{"displacement", moved, Type::float64}, {"velocity", speeds, Type::float64}}, all);
 }
 

@@ -7,6 +7,7 @@ namespace lobe {
 Elements::Elements(const Body& body)
     : topology(body.mesh),
       points(body.mesh.points),
+      bodies(body.mesh.bodies),
       fibres(body.mesh.fibres),
       materials(body.materials),
       material_of(body.material_of),
@@ -22,6 +23,7 @@ Elements::Elements(const Body& body)
   // Room for copies, so that a first cut copies no list. Until it is touched, it takes no memory.
   const auto tets = std::size_t(topology.tet_count()), room = tets + tets / 4;
   if (!labels.empty()) labels.reserve(room);
+  if (bodies.any()) bodies.of.reserve(room);
   material_of.reserve(room);
   region_of.reserve(room);
   corner_volumes.reserve(room);
@@ -32,6 +34,7 @@ void Elements::follow(const MeshEdit& edit) {
   for (const VertexSplit& split : edit.splits) points.col(split.copy) = points.col(split.vertex);
   for (const TetCopy& tet_copy : edit.copies) {
     if (!labels.empty()) labels.push_back(labels[tet_copy.tet]);
+    if (bodies.any()) bodies.of.push_back(bodies.of[tet_copy.tet]);
     material_of.push_back(material_of[tet_copy.tet]);
     region_of.push_back(region_of[tet_copy.tet]);
   }

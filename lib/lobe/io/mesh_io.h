@@ -18,6 +18,12 @@ struct SurfaceGroup {
   std::vector<std::array<Index, 3>> triangles;
 };
 
+struct BodyLabelName {  // that a file has for a label, in a mesh joined of several files
+  std::string body;
+  int label = 0;
+  std::string name;
+};
+
 // Reads by extension: .vtu (ascii, inline or appended base64, raw appended; uncompressed or zlib), .vtk
 // (legacy 2.0 … 5.1, ascii and binary), .msh, .msh2 (Gmsh 1, ascii; 2.2 and 4.1, ascii and binary), .mesh
 // (MEDIT ascii), .node/.ele (TetGen; either name finds the other). Vertices and tetrahedra keep the order of
@@ -31,8 +37,9 @@ struct MeshFile {
   PrepareReport prepared;
   std::vector<std::string> notes;  // one line each: what was taken for labels, what was left out
   Index ignored_cells = 0;
-  std::vector<SurfaceGroup> surfaces;        // physical surfaces (Gmsh), references of triangles (MEDIT)
-  std::map<int, std::string> label_names{};  // of physical volumes (Gmsh)
+  std::vector<SurfaceGroup> surfaces;             // physical surfaces (Gmsh), references of triangles (MEDIT)
+  std::map<int, std::string> label_names{};       // of physical volumes (Gmsh)
+  std::vector<BodyLabelName> body_label_names{};  // in their place, in a mesh of several files
   std::map<std::string, Eigen::MatrixXd> point_data;  // #components × #vertices (VTU only)
   std::map<std::string, Eigen::MatrixXd> cell_data;   // #components × #tetrahedra (VTU only), but "label"
   std::vector<std::string> warnings() const;          // the notes, and what prepare() noticed

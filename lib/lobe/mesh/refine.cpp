@@ -113,6 +113,8 @@ RefinedMesh refine(const TetMesh& mesh) {
     fine.labels.insert(fine.labels.end(), 8, mesh.labels.empty() ? 0 : mesh.labels[std::size_t(t)]);
   }
   if (mesh.fibres.cols() > 0) set_fibres(mesh, fine);
+  fine.bodies.names = mesh.bodies.names;
+  for (const std::uint8_t body : mesh.bodies.of) fine.bodies.of.insert(fine.bodies.of.end(), 8, body);
   return refined;
 }
 

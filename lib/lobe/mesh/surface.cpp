@@ -31,22 +31,22 @@ void Surface::clear(const SurfaceCells& cells) {
   first_of_.assign(std::size_t(cells.point_count()), -1);
 }
 
-void Surface::rebuild(const Topology& topology, std::span<const RegionModel> region_of) {
-  rebuild(TetCells::since_start(topology), region_of);
+void Surface::rebuild(const Topology& topology, const TetTags& tags) {
+  rebuild(TetCells::since_start(topology), tags);
 }
 
-void Surface::rebuild(const SurfaceCells& cells, std::span<const RegionModel> region_of) {
+void Surface::rebuild(const SurfaceCells& cells, const TetTags& tags) {
   clear(cells);
   for (Index code : cells.outer_faces()) {
     faces_.push_back(face_of(code, cells.cell(code / 4)));
     faces_.back().kind = kind_of(cells, code, true);
   }
-  for (Face& face : faces_) place(cells, face, region_of[face.owner.tet]);
+  for (Face& face : faces_) place(cells, face, tags);
   mesh_.changed_triangles.restart(mesh_.revision);
   mesh_.changed_vertices.restart(mesh_.revision);
 }
 
-void Surface::follow(const Topology& topology, const MeshEdit& edit, std::span<const RegionModel> region_of) {
+void Surface::follow(const Topology& topology, const MeshEdit& edit, const TetTags& tags) {
   if (edit.empty()) return;
   corners_.clear();
   for (Index t : edit.removed)
@@ -55,11 +55,10 @@ void Surface::follow(const Topology& topology, const MeshEdit& edit, std::span<c
   sort_unique(corners_);
   near_ = edit.removed;
   for (Index v : corners_) near_.insert(near_.end(), topology.around(v).begin(), topology.around(v).end());
-  follow(TetCells(topology), std::move(near_), region_of);
+  follow(TetCells(topology), std::move(near_), tags);
 }
 
-void Surface::follow(const SurfaceCells& cells, std::vector<Index> changed,
-                     std::span<const RegionModel> region_of) {
+void Surface::follow(const SurfaceCells& cells, std::vector<Index> changed, const TetTags& tags) {
   if (changed.empty()) return;
   sort_unique(changed);
   begin_revision();
@@ -71,7 +70,7 @@ void Surface::follow(const SurfaceCells& cells, std::vector<Index> changed,
   keep_vertices();
   forget_unused();
   std::sort(free_triangles_.begin(), free_triangles_.end(), std::greater<>());
-  for (Face& face : faces_) place(cells, face, region_of[face.owner.tet]);
+  for (Face& face : faces_) place(cells, face, tags);
   if (!of_tets_) find_places_anew(cells, changed);
   close_gaps(cells);
 }
@@ -254,7 +253,7 @@ void Surface::find_places_anew(const SurfaceCells& cells, std::span<const Index>
     }
 }
 
-void Surface::place(const SurfaceCells& cells, Face& face, RegionModel region) {
+void Surface::place(const SurfaceCells& cells, Face& face, const TetTags& tags) {
   for (int i = 0; i < 3; ++i) {
     if (face.vertices[i] >= 0) continue;
     face.vertices[i] = vertex_for(cells, face.points[i], face.kind);
@@ -266,11 +265,13 @@ void Surface::place(const SurfaceCells& cells, Face& face, RegionModel region) {
     mesh_.triangles.emplace_back();
     mesh_.owner.emplace_back();
     mesh_.region.emplace_back();
+    mesh_.body.emplace_back();
     mesh_.cut.emplace_back();
   }
   mesh_.triangles[face.triangle] = face.vertices;
   mesh_.owner[face.triangle] = face.owner;
-  mesh_.region[face.triangle] = region;
+  mesh_.region[face.triangle] = tags.region(face.owner.tet);
+  mesh_.body[face.triangle] = tags.body(face.owner.tet);
   mesh_.cut[face.triangle] = face.kind != skin;
   triangle_of_[std::size_t(face.code)] = face.triangle;
   mesh_.changed_triangles.record(face.triangle);
@@ -283,6 +284,7 @@ void Surface::move_triangle(Index to) {
     mesh_.triangles[to] = mesh_.triangles[last];
     mesh_.owner[to] = mesh_.owner[last];
     mesh_.region[to] = mesh_.region[last];
+    mesh_.body[to] = mesh_.body[last];
     mesh_.cut[to] = mesh_.cut[last];
     triangle_of_[std::size_t(code_of(mesh_.owner[to]))] = to;
     mesh_.changed_triangles.record(to);
@@ -290,6 +292,7 @@ void Surface::move_triangle(Index to) {
   mesh_.triangles.pop_back();
   mesh_.owner.pop_back();
   mesh_.region.pop_back();
+  mesh_.body.pop_back();
   mesh_.cut.pop_back();
 }
 

@@ -21,6 +21,19 @@ namespace lobe {
 
 enum class RegionModel : std::uint8_t;  // fem/body.h
 
+// What a triangle has of its tetrahedron.
+struct TetTags {
+  TetTags(const std::vector<RegionModel>& regions) : region_of(regions) {}  // of a mesh of one body
+  TetTags(std::span<const RegionModel> regions, const MeshBodies& mesh_bodies)
+      : region_of(regions), bodies(&mesh_bodies) {}
+
+  RegionModel region(Index tet) const { return region_of[std::size_t(tet)]; }
+  std::uint8_t body(Index tet) const { return bodies ? std::uint8_t(bodies->body_of(tet)) : std::uint8_t(0); }
+
+  std::span<const RegionModel> region_of;  // per tetrahedron
+  const MeshBodies* bodies = nullptr;      // null: there is one
+};
+
 // The face that a triangle is. `code` tells the faces of one tetrahedron apart and has no other meaning.
 struct FaceOwner {
   Index tet = -1;
@@ -36,6 +49,7 @@ struct SurfaceMesh {
   std::vector<Eigen::Vector3i> triangles;  // vertices of the surface, counter-clockwise seen from outside
   std::vector<FaceOwner> owner;
   std::vector<RegionModel> region;  // of its tetrahedron
+  std::vector<std::uint8_t> body;   // of its tetrahedron (MeshBodies); 0 where there is one
   std::vector<std::uint8_t> cut;    // 1: a cut face, which was inside at the start; 0: skin
 
   // One per vertex of the surface.
@@ -65,19 +79,19 @@ class Surface {
   Surface() = default;  // of nothing, until it is rebuilt
   // The body may have been cut before. What was inside at the start then follows from the tetrahedra that are
   // gone. O(#tets), and O(n log n) in the number of these.
-  Surface(const Topology& topology, std::span<const RegionModel> region_of) { rebuild(topology, region_of); }
-  Surface(const SurfaceCells& cells, std::span<const RegionModel> region_of) { rebuild(cells, region_of); }
+  Surface(const Topology& topology, const TetTags& tags) { rebuild(topology, tags); }
+  Surface(const SurfaceCells& cells, const TetTags& tags) { rebuild(cells, tags); }
 
   // The same for a surface that has readers: the revision goes on, and everything changes.
-  void rebuild(const Topology& topology, std::span<const RegionModel> region_of);  // per tetrahedron
-  void rebuild(const SurfaceCells& cells, std::span<const RegionModel> region_of);
+  void rebuild(const Topology& topology, const TetTags& tags);
+  void rebuild(const SurfaceCells& cells, const TetTags& tags);
 
   // Call it after each edit, which the topology has made. O(#tetrahedra around the vertices of the removed
   // ones).
-  void follow(const Topology& topology, const MeshEdit& edit, std::span<const RegionModel> region_of);
+  void follow(const Topology& topology, const MeshEdit& edit, const TetTags& tags);
   // The same for cells of any kind: these may be gone, or have other points, neighbours or tetrahedra. The
   // kind is that of rebuild(). O(#them).
-  void follow(const SurfaceCells& cells, std::vector<Index> changed, std::span<const RegionModel> region_of);
+  void follow(const SurfaceCells& cells, std::vector<Index> changed, const TetTags& tags);
   // Call it when these tetrahedra may have changed their region. O(#them).
   void follow_regions(const SurfaceCells& cells, std::span<const Index> tets,
                       std::span<const RegionModel> region_of);
@@ -121,7 +135,7 @@ class Surface {
   void put(Index vertex, const SurfacePlace& place);
   void take_out(Index vertex);
   void find_places_anew(const SurfaceCells& cells, std::span<const Index> changed);
-  void place(const SurfaceCells& cells, Face& face, RegionModel region);
+  void place(const SurfaceCells& cells, Face& face, const TetTags& tags);
   void move_triangle(Index to);
   void move_vertex(const SurfaceCells& cells, Index to);
   void close_gaps(const SurfaceCells& cells);

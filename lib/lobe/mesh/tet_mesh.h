@@ -6,6 +6,7 @@
 #include <tuple>
 #include <vector>
 
+#include "lobe/mesh/mesh_bodies.h"
 #include "lobe/types.h"
 
 namespace lobe {
@@ -15,11 +16,13 @@ struct TetMesh {
   Tets tets;                // 4 × #tetrahedra, positively oriented: det[X1−X0, X2−X0, X3−X0] > 0
   std::vector<int> labels;  // one per tetrahedron, 0 where the file has none
   Mat3X<double> fibres{};   // 3 × #tetrahedra, unit vectors along the fibres at rest; or no column
+  MeshBodies bodies{};      // of a mesh of several bodies (joined_mesh.h)
 
   Index vertex_count() const { return static_cast<Index>(points.cols()); }
   Index tet_count() const { return static_cast<Index>(tets.cols()); }
 
-  static constexpr auto fields = std::tuple(&TetMesh::points, &TetMesh::tets, &TetMesh::fibres);
+  static constexpr auto fields =
+      std::tuple(&TetMesh::points, &TetMesh::tets, &TetMesh::fibres, &TetMesh::bodies);
 };
 
 // Corners of the face opposite to corner k, counter-clockwise seen from outside.

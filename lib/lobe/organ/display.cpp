@@ -18,6 +18,8 @@ FigureSnapshot figures_of(const Report& report, Index tets) {
   return figures;
 }
 
+TetTags tags_of(const Elements& elements) { return {elements.region_of, elements.bodies}; }
+
 // Forces are those on the tool, as a hand that holds it feels them.
 ToolSnapshot snapshot_of(const PlacedTool& tool) {
   return {tool.name,          tool.type,     tool.position,     Eigen::Quaterniond(tool.orientation),
@@ -40,22 +42,22 @@ template <class Real>
 void Display<Real>::rebuild(const Elements& elements, const Grains* grains) {
   if (!surface_) return;
   if (grains)
-    surface_->rebuild(GrainCells(*grains, elements), elements.region_of);
+    surface_->rebuild(GrainCells(*grains, elements), tags_of(elements));
   else
-    surface_->rebuild(elements.topology, elements.region_of);
+    surface_->rebuild(elements.topology, tags_of(elements));
 }
 
 template <class Real>
 void Display<Real>::follow(const Elements& elements, Grains* grains, const MeshEdit& edit) {
   if (!grains) {
-    if (surface_) surface_->follow(elements.topology, edit, elements.region_of);
+    if (surface_) surface_->follow(elements.topology, edit, tags_of(elements));
     return;
   }
   std::vector<Index> changed = grains->take_changed();
   if (!surface_) return;
   const GrainCells cells(*grains, elements);
   cells.append_changed(edit, changed);
-  surface_->follow(cells, std::move(changed), elements.region_of);
+  surface_->follow(cells, std::move(changed), tags_of(elements));
 }
 
 template <class Real>

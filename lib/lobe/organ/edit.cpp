@@ -278,6 +278,7 @@ Setup Organ<Real>::current_setup(CompactMesh& c) const {
   c = compact(body.topology, body.points.view(), body.labels);
   Setup setup = setup_;
   setup.mesh = c.mesh;
+  setup.mesh.bodies.names = body.bodies.names;
   if (body.fibres.cols() > 0) setup.mesh.fibres = body.fibres(Eigen::all, c.tet_source);
   setup.material_of.clear();
   setup.region_of.clear();
@@ -285,6 +286,7 @@ Setup Organ<Real>::current_setup(CompactMesh& c) const {
   for (Index t : c.tet_source) {
     setup.material_of.push_back(body.material_of[t]);
     setup.region_of.push_back(body.region_of[t]);
+    if (body.bodies.any()) setup.mesh.bodies.of.push_back(body.bodies.of[t]);
     if (!body.shares.empty()) setup.shares.push_back(body.shares[t]);
   }
   setup.prescribed.clear();

@@ -20,6 +20,8 @@ template <>
 inline constexpr auto left_out<ObstacleSetup> = std::tuple(&ObstacleSetup::name);
 template <>
 inline constexpr auto left_out<TetMesh> = std::tuple(&TetMesh::labels);
+template <>
+inline constexpr auto left_out<MeshBodies> = std::tuple(&MeshBodies::names);
 // A state is saved between two frames. These are sums over the present one.
 template <>
 inline constexpr auto left_out<Scalpel> = std::tuple(&Scalpel::work, &Scalpel::length, &Scalpel::way);

@@ -155,6 +155,8 @@ Setup Organ<Real>::initial_setup() const {
   setup.mesh.tets = now.tets().leftCols(tets).unaryExpr([&](Index v) { return now.origin(v); });
   setup.mesh.labels = elements().labels;
   setup.mesh.labels.resize(std::size_t(tets), 0);
+  setup.mesh.bodies = elements().bodies;
+  if (setup.mesh.bodies.any()) setup.mesh.bodies.of.resize(std::size_t(tets));
   setup.mesh.fibres = elements().fibres;
   if (setup.mesh.fibres.cols() > tets) setup.mesh.fibres.conservativeResize(Eigen::NoChange, tets);
   setup.material_of = elements().material_of;

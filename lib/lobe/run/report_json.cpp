@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "lobe/diagnostics/body_figures.h"
 #include "lobe/diagnostics/fields.h"
 #include "lobe/text.h"
 
@@ -57,6 +58,17 @@ Json state_json(World<Real>& world) {
                {"applied", e.applied},
                {"total", e.total()}}}};
   const auto array = [](const Vec3d& x) { return Json{x[0], x[1], x[2]}; };
+  if (world.elements().bodies.any()) {
+    const Mat3X<double> u = world.state().u.template cast<double>(),
+                        v = world.state().v.template cast<double>();
+    for (const BodyFigures& body : body_figures(world.elements(), u, v))
+      state["bodies"].push_back({{"name", body.name},
+                                 {"tetrahedra", body.tets},
+                                 {"volume", body.volume},
+                                 {"centre", array(body.centre)},
+                                 {"momentum", array(body.momentum)},
+                                 {"energy", {{"kinetic", body.kinetic}, {"elastic", body.elastic}}}});
+  }
   for (const PlacedTool& tool : placed_tools(world))
     state["tools"].push_back(
         {{"name", tool.name}, {"position", array(tool.position)}, {"force", array(tool.force)}});

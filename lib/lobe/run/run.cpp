@@ -14,7 +14,7 @@
 #include "lobe/run/results_folder.h"
 #include "lobe/run/watch_results.h"
 #include "lobe/scene/frames.h"
-#include "lobe/scene/read_scene.h"
+#include "lobe/scene/scene_mesh.h"
 #include "lobe/setup/exclusions.h"
 
 namespace lobe {
@@ -84,7 +84,9 @@ RunResult run(const Scene& scene, const Resolved& resolved, const RunOptions& op
   const Clock::time_point start = Clock::now();
   World<Real> world(resolved.setup, options.threads, options.condensing);
   const double setup_seconds = seconds_since(start);
-  clear_earlier_run(options.directory, {mesh_path(scene), scene.file});
+  std::vector<std::filesystem::path> inputs = mesh_paths(scene);
+  inputs.push_back(scene.file);
+  clear_earlier_run(options.directory, inputs);
   FrameWriter frame_writer(scene.output, resolved.setup.contact.obstacles, options.directory);
   Totals totals;
   RunResult result;

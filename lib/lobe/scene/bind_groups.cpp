@@ -42,6 +42,22 @@ class GroupBinder {
   }
   void bind(Selector& selector, const std::string& place) {
     std::visit([&](auto& select) { bind_one(select, place); }, selector.value);
+    if (auto* by_label = std::get_if<SelectLabel>(&selector.value); by_label && !by_label->names.empty())
+      selector = of_bodies(*by_label, place + "/label");
+  }
+
+  // Files of several bodies may have one name for different labels, and different names for one label.
+  Selector of_bodies(const SelectLabel& select, const std::string& place) {
+    SelectAnyOf any;
+    if (!select.labels.empty()) any.parts.push_back({SelectLabel{select.labels}});
+    for (const std::string& name : select.names) {
+      const std::size_t before = any.parts.size();
+      for (const BodyLabelName& known : mesh_.body_label_names)
+        if (known.name == name)
+          any.parts.push_back({SelectAllOf{{{SelectBody{{known.body}}}, {SelectLabel{{known.label}}}}}});
+      if (any.parts.size() == before) refuse(place, "label", name, labels());
+    }
+    return {std::move(any)};
   }
   template <class Select>
   void bind_one(Select&, const std::string&) {}  // names no group
@@ -58,15 +74,15 @@ class GroupBinder {
     select.triangles.clear();
     select.is_bound = true;
     for (const std::string& name : select.names) {
-      const SurfaceGroup* group = surface(name);
-      if (group)
+      const std::vector<const SurfaceGroup*> groups = surfaces_called(name);
+      for (const SurfaceGroup* group : groups)
         select.triangles.insert(select.triangles.end(), group->triangles.begin(), group->triangles.end());
-      else
-        refuse(place + "/surface", "surface", name, surfaces());
+      if (groups.empty()) refuse(place + "/surface", "surface", name, surfaces());
     }
   }
 
   void bind_one(SelectLabel& select, const std::string& place) {
+    if (mesh_.mesh.bodies.any()) return;  // of_bodies() does it
     for (const std::string& name : select.names) {
       const auto named = std::find_if(mesh_.label_names.begin(), mesh_.label_names.end(),
                                       [&](const auto& label) { return label.second == name; });
@@ -78,12 +94,14 @@ class GroupBinder {
     select.names.clear();
   }
 
-  const SurfaceGroup* surface(const std::string& name) const {
-    for (const SurfaceGroup& group : mesh_.surfaces)
-      if (group.name == name) return &group;
-    for (const SurfaceGroup& group : mesh_.surfaces)
-      if (std::to_string(group.number) == name) return &group;
-    return nullptr;
+  // Those of this name, else of this number.
+  std::vector<const SurfaceGroup*> surfaces_called(const std::string& name) const {
+    std::vector<const SurfaceGroup*> named, numbered;
+    for (const SurfaceGroup& group : mesh_.surfaces) {
+      if (group.name == name) named.push_back(&group);
+      if (std::to_string(group.number) == name) numbered.push_back(&group);
+    }
+    return named.empty() ? numbered : named;
   }
 
   std::vector<std::string> surfaces() const {
@@ -95,6 +113,7 @@ class GroupBinder {
   std::vector<std::string> labels() const {
     std::vector<std::string> names;
     for (const auto& [number, name] : mesh_.label_names) names.push_back(name);
+    for (const BodyLabelName& known : mesh_.body_label_names) names.push_back(known.name);
     return names;
   }
 

@@ -18,6 +18,7 @@ class MeaningChecker {
   explicit MeaningChecker(const Scene& scene) : scene_(scene) {}
 
   std::vector<Fault> check() {
+    check_bodies();
     for (std::size_t i = 0; i < scene_.materials.size(); ++i) {
       check_material(scene_.materials[i], child_pointer("/materials", i));
     }
@@ -54,6 +55,25 @@ class MeaningChecker {
 
   void add(std::vector<Fault> faults) {
     std::move(faults.begin(), faults.end(), std::back_inserter(faults_));
+  }
+
+  void check_bodies() {
+    for (std::size_t i = 0; i < scene_.bodies.size(); ++i) {
+      const SceneBody& body = scene_.bodies[i];
+      const std::string place = child_pointer("/bodies", i);
+      for (std::size_t j = 0; j < i; ++j)
+        if (scene_.bodies[j].name == body.name) {
+          add(place + "/name",
+              "\"" + body.name + "\" is the name of /bodies/" + std::to_string(j) + " already");
+          break;
+        }
+      check_unit(body.orientation, place + "/orientation");
+    }
+  }
+
+  void check_unit(const Eigen::Vector4d& quaternion, const std::string& place) {
+    if (const double length = quaternion.stableNorm(); !(std::abs(length - 1) < 1e-6))
+      add(place, "the quaternion has length " + exact(length) + ", must be 1");
   }
 
   // Positive definite: μ > 0 and the bulk modulus λ + 2μ/3 > 0.
@@ -106,8 +126,7 @@ class MeaningChecker {
 
   void check_path(const std::vector<PathPoint>& path, const std::string& place) {
     for (std::size_t i = 0; i < path.size(); ++i)
-      if (const double length = path[i].orientation.norm(); !(std::abs(length - 1) < 1e-6))
-        add(child_pointer(place, i) + "/4", "the quaternion has length " + exact(length) + ", must be 1");
+      check_unit(path[i].orientation, child_pointer(place, i) + "/4");
     for (std::size_t i = 1; i < path.size(); ++i) {
       if (path[i].time > path[i - 1].time) continue;
       const bool same = path[i].time == path[i - 1].time;

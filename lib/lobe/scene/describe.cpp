@@ -7,8 +7,11 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "lobe/diagnostics/body_figures.h"
+#include "lobe/mesh/joined_mesh.h"
 #include "lobe/scene/json_text.h"
 #include "lobe/scene/material_constants.h"
+#include "lobe/scene/resolve_parts.h"
 #include "lobe/scene/tool_kinds.h"
 #include "lobe/scene/unit_checks.h"
 #include "lobe/text.h"
@@ -28,6 +31,24 @@ ordered_json summarise_mesh(const Scene& scene, const TetMesh& mesh) {
           {"volume_m3", total_volume(mesh)},
           {"box_min_m", vector_json(bounding_box(mesh).min)},
           {"box_max_m", vector_json(bounding_box(mesh).max)}};
+}
+
+// Each of several bodies: what it is made of, and where it begins.
+ordered_json summarise_bodies(const Scene& scene, const Setup& setup) {
+  const Mat3X<double> at_rest = Mat3X<double>::Zero(3, setup.mesh.vertex_count());
+  ordered_json list = ordered_json::array();
+  for (const BodyFigures& body : body_figures(Elements(setup), at_rest, at_rest)) {
+    const std::size_t at = list.size();
+    const Box box = bounding_box(tets_of_body(setup.mesh, int(at)));
+    list.push_back({{"name", body.name},
+                    {"file", at < scene.bodies.size() ? scene.bodies[at].mesh.string() : ""},
+                    {"tetrahedra", body.tets},
+                    {"volume_m3", body.volume},
+                    {"mass_kg", body.mass},
+                    {"box_min_m", vector_json(box.min)},
+                    {"box_max_m", vector_json(box.max)}});
+  }
+  return list;
 }
 
 ordered_json summarise_fibre(const Elastic& m) {
@@ -145,6 +166,7 @@ ordered_json summarise(const Scene& scene, const Resolved& resolved) {
   summary["scene"] = scene.file.string();
   summary["name"] = scene.name;
   summary["mesh"] = summarise_mesh(scene, setup.mesh);
+  if (setup.mesh.bodies.any()) summary["bodies"] = summarise_bodies(scene, setup);
   summary["materials"] = summarise_materials(scene, setup);
   summary["volume_penalty_Pa"] = setup.volume_penalty;
   summary["guard_below"] = setup.guard_below;
@@ -172,6 +194,15 @@ std::string triple(const ordered_json& v) {
 }
 
 double norm(const ordered_json& v) { return Vec3d(v[0], v[1], v[2]).norm(); }
+
+void print_bodies(std::ostream& out, const ordered_json& summary) {
+  if (!summary.contains("bodies")) return;
+  for (const ordered_json& body : summary["bodies"])
+    out << "body       " << body["name"].get<std::string>() << ": " << body["file"].get<std::string>() << ", "
+        << body["tetrahedra"] << " tetrahedra, " << rounded(body["volume_m3"]) << " m³, "
+        << rounded(body["mass_kg"]) << " kg, " << triple(body["box_min_m"]) << " to "
+        << triple(body["box_max_m"]) << " m\n";
+}
 
 void print_regions(std::ostream& out, const ordered_json& regions) {
   out << "regions   ";
@@ -259,9 +290,12 @@ std::string describe(const Scene& scene, const Resolved& resolved) {
   const ordered_json& mesh = summary["mesh"];
   std::ostringstream out;
   if (!scene.name.empty()) out << "scene      " << scene.name << "\n";
-  out << "mesh       " << mesh["file"].get<std::string>() << ": " << mesh["vertices"] << " vertices, "
-      << mesh["tetrahedra"] << " tetrahedra, " << rounded(mesh["volume_m3"]) << " m³, "
-      << triple(mesh["box_min_m"]) << " to " << triple(mesh["box_max_m"]) << " m\n";
+  const std::string file = summary.contains("bodies") ? counted(summary["bodies"].size(), "body", "bodies")
+                                                      : mesh["file"].get<std::string>();
+  out << "mesh       " << file << ": " << mesh["vertices"] << " vertices, " << mesh["tetrahedra"]
+      << " tetrahedra, " << rounded(mesh["volume_m3"]) << " m³, " << triple(mesh["box_min_m"]) << " to "
+      << triple(mesh["box_max_m"]) << " m\n";
+  print_bodies(out, summary);
   print_materials(out, summary["materials"]);
   out << "volume     penalty " << rounded(summary["volume_penalty_Pa"]) << " Pa";
   if (const double below = summary["guard_below"]; below > 0) out << ", guard below " << rounded(below);

@@ -25,9 +25,29 @@ void read(const json& object, const char* key, Value& value) {
   if (object.contains(key)) value = object[key].template get<Value>();
 }
 
+void read_path(const json& object, const char* key, std::filesystem::path& path) {
+  const std::string text = object.value(key, "");
+  path = std::u8string(text.begin(), text.end());
+}
+
+void read_orientation(const json& object, Eigen::Vector4d& quaternion) {
+  if (!object.contains("orientation")) return;
+  for (int i = 0; i < 4; ++i) quaternion[i] = object["orientation"][std::size_t(i)].get<double>();
+}
+
 std::optional<Selector> read_where(const json& entry) {
   if (!entry.contains("where")) return std::nullopt;
   return read_selector(entry["where"]);
+}
+
+SceneBody read_body(const json& entry, const std::string&) {
+  SceneBody body;
+  read(entry, "name", body.name);
+  read_path(entry, "mesh", body.mesh);
+  read(entry, "mesh_scale", body.mesh_scale);
+  if (entry.contains("position")) body.position = read_vector(entry["position"]);
+  read_orientation(entry, body.orientation);
+  return body;
 }
 
 FibreField read_fibre(const json& object) {
@@ -230,9 +250,7 @@ void read_contact(const json& object, Scene& scene) {
     read(entry, "name", obstacle.name);
     obstacle.shape = read_shape(entry["shape"], scene.obstacle_files.emplace_back());
     if (entry.contains("position")) obstacle.position = read_vector(entry["position"]);
-    if (entry.contains("orientation"))
-      for (int i = 0; i < 4; ++i)
-        obstacle.orientation[i] = entry["orientation"][std::size_t(i)].get<double>();
+    read_orientation(entry, obstacle.orientation);
     read(entry, "friction", obstacle.friction);
   }
 }
@@ -241,9 +259,9 @@ void read_contact(const json& object, Scene& scene) {
 Scene from_document(const json& document) {
   Scene scene;
   read(document, "name", scene.name);
-  const auto mesh = document["mesh"].get<std::string>();
-  scene.mesh = std::u8string(mesh.begin(), mesh.end());
+  read_path(document, "mesh", scene.mesh);
   read(document, "mesh_scale", scene.mesh_scale);
+  read_entries(document, "bodies", scene.bodies, read_body);
   read(document, "volume_penalty", scene.volume_penalty);
   read(document, "guard_below", scene.guard_below);
   read_entries(document, "materials", scene.materials, read_material);
@@ -259,8 +277,7 @@ Scene from_document(const json& document) {
   if (pieces == "vanish") scene.loose_pieces = LoosePieces::vanish;
   if (pieces == "stay") scene.loose_pieces = LoosePieces::stay;
   if (document.value("evaluator", "direct") == "stored") scene.evaluator = Evaluator::stored;
-  const std::string skin = document.value("skin", "");
-  scene.skin = std::u8string(skin.begin(), skin.end());
+  read_path(document, "skin", scene.skin);
   if (document.contains("time")) read_time(document["time"], scene.time);
   if (document.contains("output")) {
     read(document["output"], "every", scene.output.every);
@@ -305,6 +322,7 @@ Scene with_absolute_paths(Scene scene) {
     if (!path.empty()) path = folder / path;
   };
   complete(scene.mesh);
+  for (SceneBody& body : scene.bodies) complete(body.mesh);
   complete(scene.skin);
   for (Tool& tool : scene.tools) complete(tool.shape_file);
   for (std::filesystem::path& file : scene.obstacle_files) complete(file);

@@ -34,6 +34,12 @@ SelectSurface read_surfaces(const json& value) {
   return select;
 }
 
+SelectBody read_bodies(const json& value) {
+  SelectBody select;
+  for (const json& name : as_list(value)) select.names.push_back(name);
+  return select;
+}
+
 std::vector<Selector> read_parts(const json& array) {
   std::vector<Selector> parts;
   for (const json& part : array) parts.push_back(read_selector(part));
@@ -54,6 +60,7 @@ Selector read_selector(const nlohmann::json& object) {
   if (key == "plane") return {read_plane(value)};
   if (key == "nearest") return {SelectNearest{read_vector(value["point"]), value["count"].get<int>()}};
   if (key == "label") return {read_labels(value)};
+  if (key == "body") return {read_bodies(value)};
   if (key == "surface") return {read_surfaces(value)};
   if (key == "patch") return {SelectPatch{read_vector(value["point"]), value.value("angle", 40.0)}};
   if (key == "vertices") return {SelectVertices{value.get<std::vector<Index>>()}};

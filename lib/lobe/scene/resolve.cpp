@@ -238,6 +238,7 @@ Resolved resolve(const Scene& scene, TetMesh mesh, const ResolveOptions& options
   setup.load_ramp = scene.time.load_ramp;
   setup.sleep = scene.time.sleep;
 
+  check_bodies(resolution);
   refuse_excluded_options(resolution);
   resolve_frame(resolution);
   resolve_cell(resolution);
@@ -249,6 +250,7 @@ Resolved resolve(const Scene& scene, TetMesh mesh, const ResolveOptions& options
   resolve_contact(resolution);
   resolve_gestures(resolution);
   if (!resolution.faults.empty()) throw InputError(std::move(resolution.faults));
+  warn_of_bodies(resolution);
   warn_of_unheld_pieces(resolution);
   warn_of_units(resolution);
   check_precomputed(resolution);

@@ -34,9 +34,9 @@ struct ResolveOptions {
   std::function<void(double fraction)> progress = {};  // of choosing
 };
 
-// `mesh` has passed prepare(), and is not scaled by the scene's "mesh_scale" yet. Throws one InputError with
-// everything that the scene asks for and that this mesh or this version does not have: selections that select
-// nothing, tetrahedra without material, what is not available yet.
+// `mesh` is that of read_scene_mesh(), or has passed prepare(); it is not scaled by the scene's "mesh_scale"
+// yet. Throws one InputError with everything that the scene asks for and that this mesh or this version does
+// not have: selections that select nothing, tetrahedra without material, what is not available yet.
 Resolved resolve(const Scene& scene, TetMesh mesh, const ResolveOptions& options = {});
 
 }  // namespace lobe

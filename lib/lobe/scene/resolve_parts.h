@@ -45,6 +45,8 @@ inline std::string counted(std::size_t count, const char* one, const char* many)
 inline constexpr double locks_above = 0.45;
 
 void refuse_excluded_options(Resolution& resolution);
+void check_bodies(Resolution& resolution);
+void warn_of_bodies(Resolution& resolution);
 void resolve_materials(Resolution& resolution);
 void resolve_fibres(Resolution& resolution);
 void resolve_regions(Resolution& resolution);

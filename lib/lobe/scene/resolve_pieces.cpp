@@ -42,8 +42,8 @@ void warn_of_unheld_pieces(Resolution& resolution) {
   }
   for (std::size_t i = 0; i < std::min(open.size(), most_named); ++i)
     resolution.warn("/boundary", "a piece of " + counted(open[i].size(), "tetrahedron", "tetrahedra") +
-                                     ", among them " + std::to_string(open[i][0]) +
-                                     ", is not held and can move freely");
+                                     setup.mesh.bodies.in_words(open[i][0]) + ", among them " +
+                                     std::to_string(open[i][0]) + ", is not held and can move freely");
   if (open.size() > most_named)
     resolution.warn("/boundary",
                     std::to_string(open.size() - most_named) + " further pieces are not held either");

@@ -40,6 +40,9 @@ struct SelectLabel {
   std::vector<int> labels;
   std::vector<std::string> names = {};  // that the mesh's file has for further ones, until bind_groups()
 };                                      // tetrahedra; vertices of such tetrahedra
+struct SelectBody {
+  std::vector<std::string> names;
+};  // tetrahedra of these bodies; their vertices
 struct SelectSurface {
   std::vector<std::string> names;  // or numbers, of groups of triangles that the mesh's file has
   std::vector<std::array<Index, 3>> triangles = {};  // that bind_groups() finds for them
@@ -66,7 +69,7 @@ struct SelectNot {
 };  // exactly one
 struct Selector {
   std::variant<SelectAll, SelectBox, SelectSphere, SelectPlane, SelectNearest, SelectLabel, SelectVertices,
-               SelectTetrahedra, SelectSurface, SelectPatch, SelectAnyOf, SelectAllOf, SelectNot>
+               SelectTetrahedra, SelectSurface, SelectPatch, SelectBody, SelectAnyOf, SelectAllOf, SelectNot>
       value;
 };
 
@@ -88,6 +91,15 @@ struct FibreAround {
   Vec3d point, axis;
 };
 using FibreField = std::variant<FibreDirection, FibreArray, FibreHarmonic, FibreAround>;
+
+// One of several bodies: a mesh of its own, which is scaled, then turned about its origin, then moved.
+struct SceneBody {
+  std::string name;
+  std::filesystem::path mesh;  // absolute, or relative to the scene file
+  double mesh_scale = 1;
+  Vec3d position = Vec3d::Zero();           // [m]
+  Eigen::Vector4d orientation{0, 0, 0, 1};  // unit quaternion x, y, z, w
+};
 
 struct Material {
   std::string name = "tissue";
@@ -209,10 +221,11 @@ struct Scene {
     return {};
   }
 
-  std::string name;            // what reports call it
-  std::filesystem::path file;  // where it was read from
-  std::filesystem::path mesh;  // absolute, or relative to the scene file
-  double mesh_scale = 1;       // what its coordinates are multiplied by, before anything is selected
+  std::string name;               // what reports call it
+  std::filesystem::path file;     // where it was read from
+  std::filesystem::path mesh;     // absolute, or relative to the scene file; empty where there are bodies
+  double mesh_scale = 1;          // what its coordinates are multiplied by, before anything is selected
+  std::vector<SceneBody> bodies;  // in place of one mesh
   std::vector<Material> materials;
   double volume_penalty = 0;                // κ [Pa]
   double guard_below = 0;                   // J₀ of fem/guard.h, 0: no guard

@@ -11,6 +11,7 @@
 
 #include "lobe/error.h"
 #include "lobe/scene/inside.h"
+#include "lobe/scene/nearest_word.h"
 
 namespace lobe {
 namespace {
@@ -79,6 +80,20 @@ std::set<std::array<Index, 3>> sorted_triangles(const SelectSurface& select, con
   std::set<std::array<Index, 3>> triangles;
   for (const auto& triangle : select.triangles) triangles.insert(sorted(triangle));
   return triangles;
+}
+
+std::size_t body_called(const std::string& name, const MeshBodies& bodies, const std::string& place) {
+  const auto found = std::find(bodies.names.begin(), bodies.names.end(), name);
+  if (found != bodies.names.end()) return std::size_t(found - bodies.names.begin());
+  if (!bodies.any())
+    throw InputError(place + "/body",
+                     "\"" + name + "\": the scene has one mesh, and no \"bodies\" with names");
+  std::string text = "no body is called \"" + name + "\"; there are";
+  for (const std::string& known : bodies.names)
+    text += (known == bodies.names[0] ? " \"" : ", \"") + known + "\"";
+  const std::string nearest = nearest_word(name, bodies.names);
+  if (!nearest.empty()) text += "; did you mean \"" + nearest + "\"?";
+  throw InputError(place + "/body", text);
 }
 
 // Evaluates a selector on the points of one kind of item: vertices, or barycentres of tetrahedra.
@@ -153,6 +168,15 @@ class Evaluation {
     for (std::size_t t = 0; t < tets.size() && t < mesh_.labels.size(); ++t) {
       tets[t] = std::find(select.labels.begin(), select.labels.end(), mesh_.labels[t]) != select.labels.end();
     }
+    return kind_ == Kind::tets ? tets : corners_of(tets);
+  }
+
+  Mask mask(const SelectBody& select, const std::string& place) const {
+    std::vector<char> is_chosen(mesh_.bodies.count(), 0);
+    for (const std::string& name : select.names) is_chosen[body_called(name, mesh_.bodies, place)] = 1;
+    Mask tets(static_cast<std::size_t>(mesh_.tet_count()), 0);
+    for (Index t = 0; t < mesh_.tet_count(); ++t)
+      tets[std::size_t(t)] = is_chosen[std::size_t(mesh_.bodies.body_of(t))];
     return kind_ == Kind::tets ? tets : corners_of(tets);
   }
 

@@ -43,6 +43,9 @@ class ShareSelection {
   Contains test_of(const SelectLabel& select, const std::string& place) const {
     return of_tets(select_tets({select}, mesh_, place));
   }
+  Contains test_of(const SelectBody& select, const std::string& place) const {
+    return of_tets(select_tets({select}, mesh_, place));
+  }
   Contains test_of(const SelectTetrahedra& select, const std::string& place) const {
     return of_tets(select_tets({select}, mesh_, place));
   }

@@ -49,6 +49,7 @@ ordered_json write(const SelectLabel& label) {
   return {{"label", labels}};
 }
 ordered_json write(const SelectSurface& select) { return {{"surface", select.names}}; }
+ordered_json write(const SelectBody& select) { return {{"body", select.names}}; }
 ordered_json write(const SelectPatch& patch) {
   return {{"patch", {{"point", vector_json(patch.point)}, {"angle", patch.angle}}}};
 }
@@ -78,6 +79,16 @@ struct FibreWriter {
     return {{"axis", {{"point", vector_json(f.point)}, {"direction", vector_json(f.axis)}}}};
   }
 };
+
+ordered_json write_quaternion(const Eigen::Vector4d& q) { return {q[0], q[1], q[2], q[3]}; }
+
+ordered_json write(const SceneBody& body) {
+  return {{"name", body.name},
+          {"mesh", utf8(body.mesh)},
+          {"mesh_scale", body.mesh_scale},
+          {"position", vector_json(body.position)},
+          {"orientation", write_quaternion(body.orientation)}};
+}
 
 ordered_json write(const Material& material) {
   ordered_json entry = {{"name", material.name}};
@@ -186,11 +197,10 @@ ordered_json write_contact(const Scene& scene) {
   entry["obstacles"] = ordered_json::array();
   for (std::size_t i = 0; i < contact.obstacles.size(); ++i) {
     const ObstacleSetup& obstacle = contact.obstacles[i];
-    const Eigen::Vector4d& q = obstacle.orientation;
     entry["obstacles"].push_back({{"name", obstacle.name},
                                   {"shape", write_shape(obstacle.shape, scene.obstacle_files[i])},
                                   {"position", vector_json(obstacle.position)},
-                                  {"orientation", {q[0], q[1], q[2], q[3]}},
+                                  {"orientation", write_quaternion(obstacle.orientation)},
                                   {"friction", obstacle.friction}});
   }
   return entry;
@@ -202,8 +212,12 @@ std::string to_json(const Scene& scene) {
   static constexpr const char* pieces[] = {"fall", "vanish", "stay"};
   ordered_json document;
   document["name"] = scene.name;
-  document["mesh"] = utf8(scene.mesh);
-  document["mesh_scale"] = scene.mesh_scale;
+  if (scene.bodies.empty()) {
+    document["mesh"] = utf8(scene.mesh);
+    document["mesh_scale"] = scene.mesh_scale;
+  } else {
+    document["bodies"] = entries(scene.bodies);
+  }
   document["materials"] = entries(scene.materials);
   document["volume_penalty"] = scene.volume_penalty;
   document["guard_below"] = scene.guard_below;

@@ -45,6 +45,10 @@ void Checker::check_mesh() {
   expect(tets > 0, "the mesh has no tetrahedron");
   expect(setup_.material_of.size() == tets && setup_.region_of.size() == tets && mesh.labels.size() == tets,
          "materials, regions and labels must have one entry per tetrahedron");
+  expect(mesh.bodies.of.size() == (mesh.bodies.any() ? tets : 0) &&
+             std::all_of(mesh.bodies.of.begin(), mesh.bodies.of.end(),
+                         [&](std::uint8_t body) { return body < mesh.bodies.names.size(); }),
+         "bodies must have one entry per tetrahedron, the place of a name, or none without names");
   expect(setup_.shares.empty() || setup_.shares.size() == tets,
          "shares of volume must have one entry per tetrahedron, or none at all");
   expect(std::all_of(setup_.shares.begin(), setup_.shares.end(), [](double x) { return x > 0 && x <= 1; }),

@@ -109,6 +109,8 @@ void validate_elements(const Elements& elements) {
   check(elements.region_of.size() == tets && elements.material_of.size() == tets &&
             elements.corner_volumes.size() == tets,
         "elements: one region, one material and one volume per tetrahedron");
+  check(elements.bodies.of.size() == (elements.bodies.any() ? tets : 0),
+        "elements: one body per tetrahedron, or none");
   for (Index t = 0; t < topology.tet_count(); ++t) {
     check(elements.material_of[std::size_t(t)] < elements.materials.size(), "elements: a material's number");
     if (topology.alive(t))
@@ -195,6 +197,7 @@ void validate_surface(const Surface& surface, const SurfaceCells& cells, const E
     check(i >= 0, "surface: a face of the boundary that is not there");
     const auto slot = std::size_t(i);
     check(mesh.region[slot] == elements.region_of[std::size_t(cell.tet)], "surface: a triangle's region");
+    check(mesh.body[slot] == elements.bodies.body_of(cell.tet), "surface: a triangle's body");
     for (int k = 0; k < 3; ++k) {
       const Index vertex = mesh.triangles[slot][k], point = cell.points[face_corners[code % 4][k]];
       check(surface.vertex_of(point, mesh.cut[slot], cells.stroke_of(code)) == vertex,

@@ -34,10 +34,10 @@ class Timed {
 // 0.95. It is not checked for swinging, as later tries are not.
 constexpr double more_for_snap = 1.15;
 
-Condition near_inversion(double volume_ratio, Index tet, double time) {
+Condition near_inversion(double volume_ratio, Index tet, const Elements& elements, double time) {
   return {Condition::Kind::near_inversion,
-          "tetrahedron " + std::to_string(tet) + " is at " + rounded(volume_ratio) + " of its volume" +
-              (volume_ratio < 0 ? ", inverted" : "") +
+          "tetrahedron " + std::to_string(tet) + elements.bodies.in_words(tet) + " is at " +
+              rounded(volume_ratio) + " of its volume" + (volume_ratio < 0 ? ", inverted" : "") +
               ": guard_below, a larger volume_penalty, a smaller load or a slower tool may help",
           time};
 }
@@ -217,7 +217,7 @@ void World<Real>::prepare_frame(double duration, Report& report) {
   const double ratio = organ_.limit().volume_ratio();
   report.smallest_volume_ratio = std::min(report.smallest_volume_ratio, ratio);
   if (ratio < 0.05)
-    report.conditions.push_back(near_inversion(ratio, organ_.limit().volume_ratio_tet(), time()));
+    report.conditions.push_back(near_inversion(ratio, organ_.limit().volume_ratio_tet(), elements(), time()));
 }
 
 template <class Real>

@@ -1,0 +1,29 @@
+// What each body of a mesh of several has in itself.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "lobe/fem/elements.h"
+
+namespace lobe {
+
+struct BodyFigures {
+  std::string name;
+  Index tets = 0;                  // that are left
+  double mass = 0;                 // [kg]
+  double volume = 0;               // as it is deformed [m³]
+  double kinetic = 0;              // energy, ½ Σ m v² of its vertices [J]
+  double elastic = 0;              // energy, of its tetrahedra by the models of their regions [J]
+  Vec3d centre = Vec3d::Zero();    // of mass, as it is deformed [m]
+  Vec3d momentum = Vec3d::Zero();  // [kg m/s]
+};
+
+// One entry per body, none where the mesh is one body. The elastic energies add up to that of the world; in
+// edge-smoothed elements and in what follows a lattice they are those of plain tetrahedra, and do not.
+// O(#tets).
+std::vector<BodyFigures> body_figures(const Elements& elements,
+                                      const Mat3X<double>& u,   // 3 × #vertices [m]
+                                      const Mat3X<double>& v);  // 3 × #vertices [m/s]
+
+}  // namespace lobe

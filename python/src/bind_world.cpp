@@ -1,6 +1,8 @@
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
+#include <limits>
+
 #include "lobe/error.h"
 #include "lobe/scene/parse_tool.h"
 #include "lobe/text.h"
@@ -154,6 +156,79 @@ void add_edits(WorldClass& world) {
           py::arg("points"), "Moves the points of the springs, (k, 3) [m], by the end of the next frame.");
 }
 
+// ---- Threads
+
+int bring_thread(PyWorld& world, double stiffness, double friction, double strength, double holds) {
+  const int thread = world.use([](AnyWorld& any) { return any.next_thread(); });
+  world.apply(BringThread{thread, {stiffness, friction, strength, holds}});
+  return thread;
+}
+
+void bite(PyWorld& world, int thread, const py::object& point) {
+  const Vec3d x = vector3(point, "point");
+  const FoundPoint found = world.use([&](AnyWorld& any) { return any.embed(x); });
+  constexpr double rounding = 1e-6;  // [m]
+  if (found.distance > rounding)
+    throw InputError("point", "is " + rounded(found.distance) + " m outside of every tetrahedron");
+  world.apply(Bite{thread, found.point});
+}
+
+void pull(PyWorld& world, int thread, const py::object& point) {
+  if (point.is_none())
+    world.apply(Pull{thread, false});
+  else
+    world.apply(Pull{thread, true, vector3(point, "point")});
+}
+
+py::list threads_of(PyWorld& world) {
+  const std::vector<ThreadLine> lines = world.use([](AnyWorld& any) { return any.threads(); });
+  py::list list;
+  for (const ThreadLine& line : lines) {
+    py::dict entry;
+    entry["thread"] = line.thread;
+    entry["name"] = line.name;
+    entry["points"] = copied(line.points);
+    entry["tensions"] = line.tensions;
+    list.append(entry);
+  }
+  return list;
+}
+
+void add_threads(WorldClass& world) {
+  constexpr double unlimited = std::numeric_limits<double>::infinity();
+  world
+      .def("thread", &bring_thread, py::kw_only(), py::arg("stiffness") = 98.0, py::arg("friction") = 0.2,
+           py::arg("strength") = unlimited, py::arg("holds") = unlimited,
+           "Brings a thread and returns its number. stiffness: EA [N]; friction: of the capstan law; "
+           "strength: "
+           "tension\nabove which it breaks [N]; holds: force that tissue bears at a bite [N].")
+      .def("bite", &bite, py::arg("thread"), py::arg("point"),
+           "Draws a thread through the tissue at a present point [m], after its earlier bites.")
+      .def("pull", &pull, py::arg("thread"), py::arg("point"),
+           "Takes the free ends of a thread to a point [m]; later calls move them there by the end of the "
+           "next "
+           "frame.\nNone: lets go.")
+      .def(
+          "tie",
+          [](PyWorld& self, int thread, Index first, Index last, double tighten, double over) {
+            self.apply(Tie{thread, first, last, tighten, over});
+          },
+          py::arg("thread"), py::arg("first") = 0, py::arg("last") = 1, py::kw_only(),
+          py::arg("tighten") = 0.0, py::arg("over") = 0.2,
+          "Closes a thread between two of its bites to a loop, and draws it together by `tighten` [m] in the "
+          "time\n`over` [s].")
+      .def(
+          "cut_thread",
+          [](PyWorld& self, int thread, Index after) {
+            self.apply(CutThread{thread, after});
+          },
+          py::arg("thread"), py::arg("after") = 0, "Cuts a thread after one of its bites.")
+      .def_property_readonly("threads", &threads_of,
+                             "The threads that are sewn, a list of dictionaries: number `thread`, `name`, "
+                             "`points` (k, 3) [m] and "
+                             "the\n`tensions` between them [N].");
+}
+
 // ---- The world itself
 
 py::dict energies_of(PyWorld& world) {
@@ -267,6 +342,7 @@ void bind_world(py::module_& module) {
   add_state(world);
   add_tools(world);
   add_edits(world);
+  add_threads(world);
 }
 
 }  // namespace lobe::python

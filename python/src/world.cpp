@@ -1,5 +1,7 @@
 #include "world.h"
 
+#include <algorithm>
+
 #include "lobe/error.h"
 
 namespace lobe::python {
@@ -23,6 +25,18 @@ class WorldOf : public AnyWorld {
   std::vector<BodyFigures> bodies() override {
     const StateView<Real> now = world_.state();
     return body_figures(elements(), now.u.template cast<double>(), now.v.template cast<double>());
+  }
+  std::vector<ThreadLine> threads() override { return thread_lines(world_); }
+  int next_thread() const override {
+    int next = 0;
+    for (const auto& term : world_.body().terms)
+      if (const auto* threads = dynamic_cast<const Threads<Real>*>(term.get()))
+        for (const Thread& thread : threads->all()) next = std::max(next, thread.number + 1);
+    return next;
+  }
+  FoundPoint embed(const Vec3d& x) override {
+    world_.displacements();
+    return embed_now(x, elements(), world_.grains(), world_.body().motion.u.padded());
   }
   double time_step_limit() override { return world_.time_step_limit(); }
   PyCheckpoint save() const override { return {world_.save()}; }

@@ -27,6 +27,9 @@ class AnyWorld {
   virtual Mat3X<double> forces() = 0;     // 3 × #vertices [N]
   virtual Energies energies() = 0;
   virtual std::vector<BodyFigures> bodies() = 0;
+  virtual std::vector<ThreadLine> threads() = 0;
+  virtual int next_thread() const = 0;           // a number that no thread has
+  virtual FoundPoint embed(const Vec3d& x) = 0;  // the tissue at x [m], or the nearest
   virtual double time_step_limit() = 0;
   virtual PyCheckpoint save() const = 0;
   virtual void restore(const PyCheckpoint& checkpoint) = 0;

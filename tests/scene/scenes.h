@@ -38,6 +38,11 @@ inline const std::string full_scene = R"({
     {"type": "cautery", "radius": 0.006, "path": [[0.5, 0.03, -0.05, 0], [1.5, 0.03, 0.05, 0]]},
     {"type": "scalpel", "snap": 0.2, "surface": "faces", "path": [[0.5, 0.03, -0.05, 0, 0.04, -0.05, 0.1], [1.5, 0.03, 0.05, 0, 0.04, 0.05, 0.1]]}
   ],
+  "threads": [
+    {"name": "3-0", "stiffness": 80, "friction": 0.1, "strength": 20, "holds": 1.5,
+     "stitches": [{"through": [[0, 0, 0], [0.01, 0, 0], [0.02, 0, 0]], "at": 0.5, "tie": [{"at": 0.75, "tighten": 0.002, "over": 0.1, "between": [0, 1]}, {"at": 1}]},
+                  {"through": [[0, 0, 0.01], [0.01, 0, 0.01]], "tie": {"at": 0.25}}]}
+  ],
   "loose_pieces": "vanish",
   "evaluator": "stored",
   "skin": "skin.obj",

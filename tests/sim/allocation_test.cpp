@@ -9,6 +9,7 @@
 
 #include "condense/half_linear.h"
 #include "fibre_support.h"
+#include "lobe/forces/embedded.h"
 #include "lobe/run/recording.h"
 #include "lobe/sim/checkpoint.h"
 #include "lobe/sim/world.h"
@@ -98,6 +99,15 @@ std::vector<std::pair<std::string, Setup>> all_kinds() {
     s.contact.self = true;
     s.probes = {
         {"probe", RigidShape::sphere(0.01), 0.1, {{0, above + apart}, {0.001, above + apart}}, false}};
+  });
+  add("sewn, with tissue that gives way", held, [&](Setup& s) {
+    StitchSetup stitch;
+    stitch.material.holds = 1e-3;
+    const Locator locator(mesh);
+    for (const Vec3d& X : {Vec3d(0.03, 0.05, 0.07), Vec3d(0.05, 0.04, 0.06), Vec3d(0.07, 0.05, 0.07)})
+      stitch.bites.push_back(embed(locator, X).point);
+    stitch.ties = {{0, 2, 0, 0.01, 1}};
+    s.stitches = {stitch};
   });
   return kinds;
 }

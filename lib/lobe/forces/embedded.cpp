@@ -90,6 +90,28 @@ EmbeddedPoint moved_through(const EmbeddedPoint& point, const Vec3d& x, const El
   return distance_to_material(X, moved.tet, elements, grains) > rounding ? EmbeddedPoint{} : moved;
 }
 
+template <class Real>
+FoundPoint embed_now(const Vec3d& x, const Elements& elements, const Grains* grains, const Mat3X<Real>& u) {
+  FoundPoint found{{}, std::numeric_limits<double>::infinity()};
+  for (Index tet = 0; tet < elements.topology.tet_count(); ++tet) {
+    if (!elements.topology.alive(tet)) continue;
+    const Mat34<double> corners =
+        elements.corner_points(tet) + u(Eigen::all, elements.topology.corners(tet)).template cast<double>();
+    double distance = distance_to_tet(x, corners);
+    if (!(distance < found.distance)) continue;
+    Eigen::Vector4d weights = barycentric(corners, x);
+    if (distance > 0) {
+      weights = weights.cwiseMax(0);
+      weights /= weights.sum();
+    }
+    distance += distance_to_material(elements.corner_points(tet) * weights, tet, elements, grains);
+    if (distance < found.distance) found = {{tet, weights}, distance};
+  }
+  return found;
+}
+
+template FoundPoint embed_now(const Vec3d&, const Elements&, const Grains*, const Mat3X<float>&);
+template FoundPoint embed_now(const Vec3d&, const Elements&, const Grains*, const Mat3X<double>&);
 template EmbeddedPoint moved_through(const EmbeddedPoint&, const Vec3d&, const Elements&, const Grains*,
                                      const Mat3X<float>&);
 template EmbeddedPoint moved_through(const EmbeddedPoint&, const Vec3d&, const Elements&, const Grains*,

@@ -1,5 +1,5 @@
-// Points embedded in tetrahedra: ends of threads and of attachments. A point moves with the tetrahedron that it
-// lies in, and passes forces on to its corners:
+// Points embedded in tetrahedra: ends of threads and of attachments. A point moves with the tetrahedron that
+// it lies in, and passes forces on to its corners:
 //   x = Σ w_c x_c,  f_c += w_c f,
 // so that neither momentum nor work is lost. Corners come from the topology at each use, so the split of a
 // vertex needs nothing. A point ends with its tetrahedron.
@@ -21,6 +21,12 @@ struct FoundPoint {
 };
 // The point of a mesh that is at X, or the point of it that is nearest to X. O(log #tets).
 FoundPoint embed(const Locator& locator, const Vec3d& X);  // [m]
+
+// The same in the body as it is now: the point at x, or the nearest. O(#tets).
+template <class Real>
+FoundPoint embed_now(const Vec3d& x, const Elements& elements,
+                     const Grains* grains,   // null: no blade has cut
+                     const Mat3X<Real>& u);  // 3 × at least #vertices [m]
 
 inline bool exists(const EmbeddedPoint& point, const Topology& topology) {
   return point.tet >= 0 && point.tet < topology.tet_count() && topology.alive(point.tet);
@@ -46,7 +52,7 @@ void add_force(const EmbeddedPoint& point, const Topology& topology, const Vec3d
 
 // ---- Cuts
 
-// Moves a point in a tetrahedron that a blade has divided to the copy whose grains it lies in; to the nearest,
+// Moves a point in a tetrahedron that a blade has divided to the copy whose grains it lies in; to the nearest
 // if rounding has put it between two of them. O(#copies).
 void follow_division(EmbeddedPoint& point, const Elements& elements, const Grains& grains,
                      const MeshEdit& edit);

@@ -3,6 +3,7 @@
 // (World::add()). An empty list costs nothing.
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <span>
 #include <string>
@@ -14,11 +15,14 @@
 
 namespace lobe {
 
+class Grains;
+
 // The body as some force terms need it before the steps of a frame.
 struct BodyView {
   const Model& model;
   const SurfaceMesh& surface;
   const std::vector<double>& mass;  // per vertex [kg]
+  const Grains* grains = nullptr;   // null: no blade has cut
   double omega = 0;                 // highest frequency of the body at rest [rad/s]
   double lumped_omega = 0;          // the same if masses were lumped
   double ratio = 1;                 // lumped_omega over the highest frequency of a single vertex
@@ -26,6 +30,24 @@ struct BodyView {
   // The share of its stiffness that contact keeps at this degree (contact/softening.h). Null if masses are
   // lumped.
   std::function<double()> softening = {};
+};
+
+// What the next step makes of the forces f of an evaluation: v⁺ = keep v + push f/m, u⁺ = u + dt v⁺
+// (body/integrator.h).
+struct Kick {
+  double keep = 1, push = 0;  // [-], [s]
+  double dt = 0;              // [s]; 0: no step follows
+};
+
+// What a term reports of a frame, for people.
+struct TermEvent {
+  enum class Kind : std::uint8_t {
+    torn,   // tissue gave way under a force
+    broken  // a thread broke
+  };
+  Kind kind;
+  double time = 0;   // [s]
+  std::string text;  // one line: what, where, how much
 };
 
 template <class Real>
@@ -36,6 +58,7 @@ class ForceTerm {
     const Mat3X<Real>& u;  // [m]
     const Mat3X<Real>& v;  // [m/s]
     double time = 0;       // [s]
+    Kick kick = {};        // of the step that follows
   };
 
   virtual ~ForceTerm() = default;
@@ -58,6 +81,9 @@ class ForceTerm {
   virtual void add_diagonal_damping(const At&, std::vector<double>&) const {}
   virtual void begin_frame(double /*time*/, double /*duration*/) {}  // [s]
   virtual void follow(const Topology&, const MeshEdit&) {}           // of the mesh
+  // Is called after follow() once a blade has cut: which part of a divided tetrahedron is where.
+  virtual void follow_grains(const Elements&, const Grains&, const MeshEdit&) {}
+  virtual std::vector<TermEvent> take_events() { return {}; }  // since the last call
 
   // ---- For terms that act between the body and what is around it
 

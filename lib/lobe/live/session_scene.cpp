@@ -23,6 +23,10 @@ const char* edit_name(const Command& command) {
   if (std::holds_alternative<SetForces>(command)) return "forces were set";
   if (std::holds_alternative<SetSprings>(command) || std::holds_alternative<MoveSprings>(command))
     return "springs were set";
+  if (std::holds_alternative<BringThread>(command)) return "a thread was brought";
+  if (std::holds_alternative<Pull>(command) || std::holds_alternative<Tie>(command) ||
+      std::holds_alternative<CutThread>(command) || std::holds_alternative<Bite>(command))
+    return "a thread was drawn, pulled, tied or cut";
   if (std::holds_alternative<Expand>(command) || std::holds_alternative<Condense>(command) ||
       std::holds_alternative<Relinearise>(command))
     return "a precomputed region was expanded, condensed or relinearised";

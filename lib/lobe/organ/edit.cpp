@@ -6,6 +6,7 @@
 #include "lobe/condense/supports.h"
 #include "lobe/error.h"
 #include "lobe/forces/pressure.h"
+#include "lobe/forces/threads.h"
 #include "lobe/organ/hinges.h"
 #include "lobe/organ/organ.h"
 #include "lobe/sort_unique.h"
@@ -72,6 +73,19 @@ std::vector<FacePressure> pressures_now(const Dynamics<Real>& body, const Compac
   return found;
 }
 
+// Stitches whose bites are all left. They are sewn anew.
+template <class Real>
+std::vector<StitchSetup> stitches_now(const Dynamics<Real>& body, const CompactMesh& c) {
+  std::vector<StitchSetup> found;
+  for (const auto& term : body.terms)
+    if (term->name() == Threads<Real>::term_name)
+      for (StitchSetup stitch : static_cast<const Threads<Real>&>(*term).stitches(body.model.elements)) {
+        for (EmbeddedPoint& bite : stitch.bites) bite.tet = c.tet_target[bite.tet];
+        found.push_back(std::move(stitch));
+      }
+  return found;
+}
+
 }  // namespace
 
 // ---- Cuts
@@ -127,7 +141,10 @@ void Organ<Real>::follow(const MeshEdit& edit) {
   limit_.follow(body_, edit, shares_before);
   follow_with_surface(edit);
   display_.tell(elements.topology, edit);
-  for (const auto& term : body_.terms) term->follow(elements.topology, edit);
+  for (const auto& term : body_.terms) {
+    term->follow(elements.topology, edit);
+    if (grains()) term->follow_grains(elements, *grains(), edit);
+  }
   follow(region_edit_of(edit, elements.topology, before));
 }
 
@@ -305,6 +322,7 @@ Setup Organ<Real>::current_setup(CompactMesh& c) const {
   }
   setup.face_loads = loads_of_parts(setup_.face_loads, body_.loads.dead_loads(), body.topology, c);
   setup.pressures = pressures_now(body_, c);
+  setup.stitches = stitches_now(body_, c);
   setup.cut_frequency = std::sqrt(body_.inertia.floor().square);
   std::erase_if(setup.vertex_loads, [&](const VertexLoad& load) { return c.vertex_target[load.vertex] < 0; });
   for (VertexLoad& load : setup.vertex_loads) load.vertex = c.vertex_target[load.vertex];

@@ -91,8 +91,55 @@ struct MoveSprings {
   static constexpr auto fields = std::tuple(&MoveSprings::points);
 };
 
+// ---- Thread (forces/threads.h). An application chooses its number; those of a scene are 0, 1, 2 … in the
+// order of the scene's stitches.
+
+struct BringThread {
+  int thread = 0;  // >= 0; none of this number may be there
+  ThreadMaterial material;
+  bool operator==(const BringThread&) const = default;
+  static constexpr auto fields = std::tuple(&BringThread::thread, &BringThread::material);
+};
+
+// Draws a thread through a point of the tissue, after its earlier bites.
+struct Bite {
+  int thread = 0;
+  EmbeddedPoint point;
+  bool operator==(const Bite&) const = default;
+  static constexpr auto fields = std::tuple(&Bite::thread, &Bite::point);
+};
+
+// Takes the free ends of a thread in a hand at a point [m], or moves them there uniformly during the next
+// frame; lets go if it is not `on`. The end after the last bite is always in the hand, the one before the
+// first bite as long as there is no knot.
+struct Pull {
+  int thread = 0;
+  bool on = true;
+  Vec3d point = Vec3d::Zero();
+  bool operator==(const Pull&) const = default;
+  static constexpr auto fields = std::tuple(&Pull::thread, &Pull::on, &Pull::point);
+};
+
+// Closes the thread between two bites to a loop, with a knot, and draws it together by `tighten` [m] in the
+// time `over` [s]. The hand lets go.
+struct Tie {
+  int thread = 0;
+  Index from = 0, to = 1;  // bites, counted from 0 in the order in which they were sewn
+  double tighten = 0, over = 0.2;
+  bool operator==(const Tie&) const = default;
+  static constexpr auto fields = std::tuple(&Tie::thread, &Tie::from, &Tie::to, &Tie::tighten, &Tie::over);
+};
+
+// Cuts a thread after one of its bites: a loop opens, and what was taut is slack up to the next knot.
+struct CutThread {
+  int thread = 0;
+  Index after = 0;  // a bite, counted from 0 in the order in which they were sewn
+  bool operator==(const CutThread&) const = default;
+  static constexpr auto fields = std::tuple(&CutThread::thread, &CutThread::after);
+};
+
 using Edit = std::variant<RemoveTets, SetRegion, Expand, Condense, Relinearise, SetMassDegree, KeepFull,
-                          SetForces, SetSprings, MoveSprings>;
+                          SetForces, SetSprings, MoveSprings, BringThread, Bite, Pull, Tie, CutThread>;
 
 // ---- What a body does by itself
 

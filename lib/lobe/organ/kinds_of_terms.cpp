@@ -5,6 +5,7 @@
 #include "lobe/contact/contact.h"
 #include "lobe/forces/applied_forces.h"
 #include "lobe/forces/pressure.h"
+#include "lobe/forces/threads.h"
 
 namespace lobe {
 
@@ -24,7 +25,11 @@ std::span<const KindOfTerm<Real>> kinds_of_terms() {
        },
        [](const Setup& setup, std::span<const ToolBody> tools) {
          return !tools.empty() || setup.contact.is_on();
-       }}};
+       }},
+      // The last: it predicts the motion that all other forces give.
+      {Threads<Real>::term_name,
+       [](const Setup& setup) -> Term { return std::make_shared<Threads<Real>>(setup); },
+       [](const Setup& setup, std::span<const ToolBody>) { return !setup.stitches.empty(); }}};
   return kinds;
 }
 

@@ -19,6 +19,8 @@ inline constexpr auto left_out<ProbeSetup> = std::tuple(&ProbeSetup::name);
 template <>
 inline constexpr auto left_out<ObstacleSetup> = std::tuple(&ObstacleSetup::name);
 template <>
+inline constexpr auto left_out<StitchSetup> = std::tuple(&StitchSetup::name);
+template <>
 inline constexpr auto left_out<TetMesh> = std::tuple(&TetMesh::labels);
 template <>
 inline constexpr auto left_out<MeshBodies> = std::tuple(&MeshBodies::names);

@@ -40,6 +40,10 @@ RegionEdit everything(const Topology& topology) {
   return edit;
 }
 
+Condition::Kind condition_of(TermEvent::Kind kind) {
+  return kind == TermEvent::Kind::torn ? Condition::Kind::torn : Condition::Kind::broken;
+}
+
 template <class Real>
 const Setup& checked(const Setup& setup) {
   check_setup(setup, std::is_same_v<Real, float> ? Options{Option::single_precision} : Options{});
@@ -76,7 +80,9 @@ Organ<Real>::Organ(const Setup& setup, int threads, const CondensingLog::Progres
   limit_.measure_at_rest(body_);
   embed();
   if (!setup.scalpels.empty()) prepare_blades();
-  if (!setup.pressures.empty()) own_term(Pressure<Real>::term_name);  // it follows cuts from the first on
+  // They follow cuts from the first on.
+  if (!setup.pressures.empty()) own_term(Pressure<Real>::term_name);
+  if (!setup.stitches.empty()) own_term(Threads<Real>::term_name);
 }
 
 // ---- State
@@ -230,6 +236,9 @@ void Organ<Real>::report_frame(const PatchCount& before, Report& report) {
   report.patches_evaluated = after.evaluated - before.evaluated;
   report.patches_skipped = after.skipped - before.skipped;
   report.transitions = std::exchange(findings_.transitions, {});
+  for (const auto& term : body_.terms)
+    for (const TermEvent& event : term->take_events())
+      report.conditions.push_back({condition_of(event.kind), event.text, event.time});
 }
 
 // ---- Edits

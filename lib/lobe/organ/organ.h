@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "lobe/cut/tet_groups.h"
+#include "lobe/forces/threads.h"
 #include "lobe/organ/display.h"
 #include "lobe/organ/history.h"
 #include "lobe/organ/pieces.h"
@@ -44,6 +45,11 @@ class Organ {
   void perform(const SetForces& edit);
   void perform(const SetSprings& edit);
   void perform(const MoveSprings& edit);
+  void perform(const BringThread& edit);
+  void perform(const Bite& edit);
+  void perform(const Pull& edit);
+  void perform(const Tie& edit);
+  void perform(const CutThread& edit);
   void add(std::shared_ptr<ForceTerm<Real>> term);
   Index remove_tets(const std::vector<Index>& tets);  // returns how many went, with what came loose
   // Sets which vertices are held. Returns how many tetrahedra vanished, because they came loose.
@@ -208,6 +214,9 @@ class Organ {
   double softening();
   AppliedForces<Real>& applied();
   bool follow_touch(const std::vector<Index>& touched);
+  Threads<Real>& threads();
+  template <class Change>
+  void change_threads(const Change& change);
   void terms_have_changed(const std::vector<Index>& woken_before);
   void report_lost_forces(const std::vector<Index>& vertices);
 

@@ -22,11 +22,13 @@ struct Condition {
     pieces,          // a cut set pieces loose. They do what the scene's loose_pieces says
     everything_cut,  // no tetrahedron is left
     unravelling,     // a tangle is linear until it has come back, or is non-linear again. See the text
-    lumped,     // selective masses are lumped while tetrahedra are crushed, or are selective again. Steps
-                // are shorter meanwhile. Nothing to do
-    scalpel,    // a blade could not cut all that it met, is shorter than the tetrahedra there, or went far in
-                // a frame. See the text
-    lost_force  // a force term acts where it has no effect. See the text
+    lumped,   // selective masses are lumped while tetrahedra are crushed, or are selective again. Steps
+              // are shorter meanwhile. Nothing to do
+    scalpel,  // a blade could not cut all that it met, is shorter than the tetrahedra there, or went far in
+              // a frame. See the text
+    lost_force,  // a force term acts where it has no effect. See the text
+    torn,        // a thread has torn out of the tissue. Remedy: deeper bites, less tension
+    broken       // a thread broke: its tension was above its strength
   };
   Kind kind;
   std::string text;  // one line for people: place, figures, remedy

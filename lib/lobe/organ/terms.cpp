@@ -92,6 +92,7 @@ void Organ<Real>::show_body_to(ForceTerm<Real>& term) {
   BodyView body{.model = body_.model,
                 .surface = display_.surface(elements(), grains()).mesh(),
                 .mass = body_.inertia.mass(),
+                .grains = grains(),
                 .omega = limit_.omega_at_rest(body_),
                 .lumped_omega = limit_.lumped_omega_at_rest(body_),
                 .ratio = limit_.lumped_ratio_at_rest(body_),

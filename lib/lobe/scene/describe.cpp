@@ -154,6 +154,26 @@ ordered_json summarise_tools(const Scene& scene, const Setup& setup) {
   return list;
 }
 
+ordered_json summarise_threads(const Scene& scene) {
+  ordered_json list = ordered_json::array();
+  for (const SceneThread& thread : scene.threads) {
+    std::size_t bites = 0, knots = 0;
+    for (const SceneStitch& stitch : thread.stitches) {
+      bites += stitch.through.size();
+      knots += stitch.ties.size();
+    }
+    ordered_json& entry = list.emplace_back(ordered_json{{"name", thread.name},
+                                                         {"stiffness_N", thread.material.stiffness},
+                                                         {"friction", thread.material.friction},
+                                                         {"stitches", thread.stitches.size()},
+                                                         {"bites", bites},
+                                                         {"knots", knots}});
+    if (thread.material.strength < unlimited) entry["strength_N"] = thread.material.strength;
+    if (thread.material.holds < unlimited) entry["holds_N"] = thread.material.holds;
+  }
+  return list;
+}
+
 ordered_json summarise(const Scene& scene, const Resolved& resolved) {
   const Setup& setup = resolved.setup;
   const auto count = [&](auto&& holds) {
@@ -177,6 +197,7 @@ ordered_json summarise(const Scene& scene, const Resolved& resolved) {
   if (!setup.partly_held.empty()) summary["partly_held_vertices"] = setup.partly_held.size();
   summary["loads"] = summarise_loads(setup);
   summary["tools"] = summarise_tools(scene, setup);
+  if (!scene.threads.empty()) summary["threads"] = summarise_threads(scene);
   summary["duration_s"] = scene.time.duration;
   summary["frame_s"] = scene.time.frame;
   summary["precision"] = scene.in_double() ? "double" : "single";
@@ -279,6 +300,17 @@ void print_tools(std::ostream& out, const ordered_json& tools) {
   }
 }
 
+void print_threads(std::ostream& out, const ordered_json& threads) {
+  for (const ordered_json& thread : threads) {
+    out << "thread     " << thread["name"].get<std::string>() << ": EA " << rounded(thread["stiffness_N"])
+        << " N, friction " << rounded(thread["friction"]) << ", " << thread["stitches"] << " stitches, "
+        << thread["bites"] << " bites, " << thread["knots"] << " knots";
+    if (thread.contains("strength_N")) out << ", breaks at " << rounded(thread["strength_N"]) << " N";
+    if (thread.contains("holds_N")) out << ", tissue holds " << rounded(thread["holds_N"]) << " N";
+    out << "\n";
+  }
+}
+
 }  // namespace
 
 std::string describe_json(const Scene& scene, const Resolved& resolved) {
@@ -303,6 +335,7 @@ std::string describe(const Scene& scene, const Resolved& resolved) {
   print_regions(out, summary["regions"]);
   print_loads(out, summary);
   print_tools(out, summary["tools"]);
+  if (summary.contains("threads")) print_threads(out, summary["threads"]);
   out << "run        " << rounded(scene.time.duration) << " s in frames of " << rounded(scene.time.frame)
       << " s, " << summary["integrator"].get<std::string>() << ", " << summary["precision"].get<std::string>()
       << " precision";

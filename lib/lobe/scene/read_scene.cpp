@@ -255,6 +255,39 @@ void read_contact(const json& object, Scene& scene) {
   }
 }
 
+SceneTie read_tie(const json& entry) {
+  SceneTie tie;
+  read(entry, "at", tie.at);
+  read(entry, "tighten", tie.tighten);
+  read(entry, "over", tie.over);
+  if (entry.contains("between")) tie.between = {entry["between"][0], entry["between"][1]};
+  return tie;
+}
+
+SceneStitch read_stitch(const json& entry) {
+  SceneStitch stitch;
+  for (const json& point : entry["through"]) stitch.through.push_back(read_vector(point));
+  read(entry, "at", stitch.at);
+  if (!entry.contains("tie")) return stitch;
+  const json& ties = entry["tie"];
+  if (ties.is_object()) stitch.ties.push_back(read_tie(ties));
+  if (ties.is_array())
+    for (const json& tie : ties) stitch.ties.push_back(read_tie(tie));
+  return stitch;
+}
+
+SceneThread read_thread(const json& entry, const std::string& pointer) {
+  SceneThread thread;
+  read(entry, "name", thread.name);
+  read(entry, "stiffness", thread.material.stiffness);
+  read(entry, "friction", thread.material.friction);
+  read(entry, "strength", thread.material.strength);
+  read(entry, "holds", thread.material.holds);
+  for (const json& stitch : entry["stitches"]) thread.stitches.push_back(read_stitch(stitch));
+  thread.pointer = pointer;
+  return thread;
+}
+
 // Of a document that satisfies the schema.
 Scene from_document(const json& document) {
   Scene scene;
@@ -271,6 +304,7 @@ Scene from_document(const json& document) {
     read_entries(document, "regions", scene.regions, read_region);
   read_entries(document, "boundary", scene.boundary, read_boundary);
   read_entries(document, "tools", scene.tools, read_tool);
+  read_entries(document, "threads", scene.threads, read_thread);
   if (document.contains("contact")) read_contact(document["contact"], scene);
   if (document.contains("gravity")) scene.gravity = read_vector(document["gravity"]);
   const std::string pieces = document.value("loose_pieces", "fall");

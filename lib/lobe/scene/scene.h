@@ -183,6 +183,25 @@ struct Tool {
   std::string pointer;
 };
 
+// A length of thread that is drawn through points of the body at rest, and its knots.
+struct SceneTie {
+  double at = 0;                                     // [s]
+  double tighten = 0;                                // by how much the loop is drawn together [m]
+  double over = 0.2;                                 // in this time [s]
+  std::optional<std::array<Index, 2>> between = {};  // points of the stitch, from 0; none: first and last
+};
+struct SceneStitch {
+  std::vector<Vec3d> through;  // [m]
+  double at = 0;               // when it is sewn [s]
+  std::vector<SceneTie> ties;
+};
+struct SceneThread {
+  std::string name = "thread";
+  ThreadMaterial material;
+  std::vector<SceneStitch> stitches;
+  std::string pointer;
+};
+
 enum class Precision : std::uint8_t { single_precision, double_precision };
 
 struct Time {
@@ -234,6 +253,7 @@ struct Scene {
   std::vector<Boundary> boundary;
   Vec3d gravity = Vec3d::Zero();  // [m/s²]
   std::vector<Tool> tools;
+  std::vector<SceneThread> threads;
   ContactSetup contact;
   std::vector<std::filesystem::path> obstacle_files;  // per obstacle: of its shape, as Tool::shape_file
   LoosePieces loose_pieces = LoosePieces::fall;

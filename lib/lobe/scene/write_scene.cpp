@@ -168,6 +168,28 @@ ordered_json write(const Tool& tool) {
   return entry;
 }
 
+ordered_json write(const SceneStitch& stitch) {
+  ordered_json through = ordered_json::array(), ties = ordered_json::array();
+  for (const Vec3d& point : stitch.through) through.push_back(vector_json(point));
+  for (const SceneTie& tie : stitch.ties) {
+    ordered_json& entry =
+        ties.emplace_back(ordered_json{{"at", tie.at}, {"tighten", tie.tighten}, {"over", tie.over}});
+    if (tie.between) entry["between"] = *tie.between;
+  }
+  return {{"through", through}, {"at", stitch.at}, {"tie", ties}};
+}
+
+ordered_json write(const SceneThread& thread) {
+  ordered_json entry = {{"name", thread.name},
+                        {"stiffness", thread.material.stiffness},
+                        {"friction", thread.material.friction}};
+  if (thread.material.strength < unlimited) entry["strength"] = thread.material.strength;
+  if (thread.material.holds < unlimited) entry["holds"] = thread.material.holds;
+  entry["stitches"] = ordered_json::array();
+  for (const SceneStitch& stitch : thread.stitches) entry["stitches"].push_back(write(stitch));
+  return entry;
+}
+
 template <class Entry>
 ordered_json entries(const std::vector<Entry>& list) {
   ordered_json array = ordered_json::array();
@@ -225,6 +247,7 @@ std::string to_json(const Scene& scene) {
   document["boundary"] = entries(scene.boundary);
   document["gravity"] = vector_json(scene.gravity);
   document["tools"] = entries(scene.tools);
+  document["threads"] = entries(scene.threads);
   document["contact"] = write_contact(scene);
   document["loose_pieces"] = pieces[static_cast<int>(scene.loose_pieces)];
   document["evaluator"] = scene.evaluator == Evaluator::direct ? "direct" : "stored";

@@ -28,6 +28,7 @@ class Checker {
   void check_fibres();
   void check_boundary();
   void check_tools();
+  void check_stitches(const Expect& told);
   void check_exclusions(Options used);
 
   void finish() {
@@ -160,6 +161,19 @@ void Checker::check_tools() {
   const Expect told = [this](bool is_met, const std::string& fault) { expect(is_met, fault); };
   for_each_tool(static_cast<const ToolSetups&>(setup_), [&](const auto& tool) { tool.check(told); });
   setup_.contact.check(told);
+  check_stitches(told);
+}
+
+void Checker::check_stitches(const Expect& told) {
+  for (const StitchSetup& stitch : setup_.stitches) {
+    stitch.check(told);
+    for (const EmbeddedPoint& bite : stitch.bites) {
+      expect(is_tet(bite.tet), "stitch \"" + stitch.name + "\" passes a tetrahedron that there is not");
+      expect(!is_tet(bite.tet) || std::size_t(bite.tet) >= setup_.region_of.size() ||
+                 setup_.region_of[std::size_t(bite.tet)] != RegionModel::precomputed,
+             "stitch \"" + stitch.name + "\" passes a precomputed region, where nothing can pull");
+    }
+  }
 }
 
 void Checker::check_exclusions(Options used) {

@@ -8,6 +8,7 @@
 
 #include "lobe/fem/body.h"
 #include "lobe/setup/contact_setup.h"
+#include "lobe/setup/thread_setup.h"
 #include "lobe/setup/tool_setups.h"
 
 namespace lobe {
@@ -98,6 +99,7 @@ struct Setup : Body, ToolSetups {
   double lattice_cell = 0;  // edge of the cells of reduced regions [m]; 0: chosen by their size
   bool expandable = false;  // pre-computed regions may be non-linear for a while (command Expand)
   ContactSetup contact;
+  std::vector<StitchSetup> stitches;
 
   // What decides how a world moves, for fingerprint(): no names.
   static constexpr auto fields = std::tuple_cat(
@@ -106,7 +108,8 @@ struct Setup : Body, ToolSetups {
                  &Setup::pressures, &Setup::gravity, &Setup::evaluator, &Setup::loose_pieces, &Setup::damping,
                  &Setup::safety, &Setup::cut_step, &Setup::cut_frequency, &Setup::selective_mass,
                  &Setup::integrator, &Setup::implicit_step, &Setup::spectral_radius, &Setup::ramp,
-                 &Setup::load_ramp, &Setup::sleep, &Setup::lattice_cell, &Setup::expandable, &Setup::contact),
+                 &Setup::load_ramp, &Setup::sleep, &Setup::lattice_cell, &Setup::expandable, &Setup::contact,
+                 &Setup::stitches),
       ToolSetups::fields);
 };
 

@@ -178,6 +178,17 @@ std::vector<PlacedTool> placed_tools(World<Real>& world) {
   });
 }
 
+template <class Real>
+std::vector<ThreadLine> thread_lines(World<Real>& world) {
+  Dynamics<Real>& body = world.body();
+  for (const auto& term : body.terms)
+    if (term->name() == Threads<Real>::term_name) {
+      body.recover_followers();
+      return static_cast<const Threads<Real>&>(*term).lines(body.here());
+    }
+  return {};
+}
+
 // ---- For observers
 
 template <class Real>
@@ -195,6 +206,8 @@ template void incise(World<float>&, const std::vector<Incision>&);
 template void incise(World<double>&, const std::vector<Incision>&);
 template std::vector<PlacedTool> placed_tools(World<float>&);
 template std::vector<PlacedTool> placed_tools(World<double>&);
+template std::vector<ThreadLine> thread_lines(World<float>&);
+template std::vector<ThreadLine> thread_lines(World<double>&);
 template class World<float>;
 template class World<double>;
 

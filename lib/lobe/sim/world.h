@@ -156,6 +156,10 @@ void incise(World<Real>& world, const std::vector<Incision>& incisions);
 template <class Real>
 std::vector<PlacedTool> placed_tools(World<Real>& world);
 
+// Threads that are sewn, in the order of their numbers, with a line for each part and each loop.
+template <class Real>
+std::vector<ThreadLine> thread_lines(World<Real>& world);
+
 extern template class World<float>;
 extern template class World<double>;
 

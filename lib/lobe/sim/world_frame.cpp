@@ -138,7 +138,7 @@ template <class Real>
 bool World<Real>::take_step(double dt, Report& report) {
   if (!organ_.implicit()) {
     const Timed timed(report, Phase::forces);
-    body().find_forces();
+    body().find_forces(body().kick_of(dt));
   }
   const Timed timed(report, Phase::integration);
   if (organ_.implicit() && !implicit_step(dt)) return false;

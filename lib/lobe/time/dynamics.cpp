@@ -30,14 +30,14 @@ Dynamics<Real>::Dynamics(const Setup& setup, int threads, const CondensingLog::P
 }
 
 template <class Real>
-void Dynamics<Real>::find_forces() {
+void Dynamics<Real>::find_forces(const Kick& kick) {
   if (const std::vector<Index>* wanted = sleep.begin_forces(*this))
     loads.put_at(*wanted, motion.forces);
   else
     loads.put(motion.time, parallel, motion.forces);
   regions.place_embedded(!terms.empty(), motion, parallel);
   regions.add_forces(motion.u.padded(), loads.missing_share(motion.time), motion.forces.padded(), parallel);
-  for (const auto& term : terms) term->add_forces(here(), motion.forces.padded());
+  for (const auto& term : terms) term->add_forces(here(kick), motion.forces.padded());
   regions.collect(loads.missing_share(motion.time), motion, parallel);
 }
 

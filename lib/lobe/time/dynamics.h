@@ -35,7 +35,13 @@ struct Dynamics {
   double damping = 0;  // γ [1/s]
 
   // Computes all forces at the state into motion.forces [N], held vertices included.
-  void find_forces();
+  // `kick` says what the step makes of them that follows; none: no step does.
+  void find_forces(const Kick& kick = {});
+  // The kick of a step of dt [s] from the present state.
+  Kick kick_of(double dt) const {
+    const StepFactors<double> step(motion.velocity_lag + dt / 2, dt, damping);
+    return {step.keep, step.push, step.dt};
+  }
   // Computes the displacements of the condensed interior, and its velocities if asked for.
   void recover(typename Regions<Real>::Interior wanted);
   void recover_followers();  // of a condensed region's interface, of a lattice, with their velocities
@@ -61,8 +67,8 @@ struct Dynamics {
   // from before the edit act until then, those after it from then on.
   void synchronise_velocities();
 
-  typename ForceTerm<Real>::At here() const {
-    return {model, motion.u.padded(), motion.v.padded(), motion.time};
+  typename ForceTerm<Real>::At here(const Kick& kick = {}) const {
+    return {model, motion.u.padded(), motion.v.padded(), motion.time, kick};
   }
   // Vertices on which force terms act, and those that they wake.
   std::vector<Index> acted_on_by_terms() const;

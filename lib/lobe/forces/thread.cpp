@@ -1,0 +1,96 @@
+#include "lobe/forces/thread.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace lobe {
+
+Thread planned(const StitchSetup& stitch, int number) {
+  Thread thread;
+  thread.number = number;
+  thread.name = stitch.name;
+  thread.material = stitch.material;
+  thread.at = stitch.at;
+  thread.plans = stitch.ties;
+  std::stable_sort(thread.plans.begin(), thread.plans.end(),
+                   [](const TieSetup& a, const TieSetup& b) { return a.at < b.at; });
+  for (const EmbeddedPoint& point : stitch.bites) thread.bites.push_back({point, Index(thread.bites.size())});
+  thread.spans.resize(thread.bites.size() - 1);
+  return thread;
+}
+
+bool Thread::is_valid() const {
+  const auto count = Index(bites.size());
+  bool valid = spans.size() == (bites.empty() ? 0 : bites.size() - 1) && hand.from.allFinite() &&
+               hand.to.allFinite() && hand.target.allFinite();
+  Index before = 0;
+  for (const ThreadKnot& knot : knots) {
+    valid = valid && knot.from >= before && knot.from < knot.to && knot.to < count && knot.to_tighten >= 0 &&
+            knot.rate >= 0;
+    before = knot.to;
+  }
+  material.check([&](bool holds, const std::string&) { valid = valid && holds; }, "");
+  return valid;
+}
+
+Index Thread::find(Index number) const {
+  for (std::size_t i = 0; i < bites.size(); ++i)
+    if (bites[i].number == number) return Index(i);
+  return -1;
+}
+
+void Thread::remove_bite(Index at) {
+  bites.erase(bites.begin() + at);
+  if (!spans.empty()) {
+    const bool is_inner = at > 0 && at < Index(spans.size());
+    if (is_inner) {
+      spans[std::size_t(at) - 1].length += spans[std::size_t(at)].length;
+      spans[std::size_t(at) - 1].slip = 0;
+      spans[std::size_t(at) - 1].is_cut |= spans[std::size_t(at)].is_cut;
+    }
+    spans.erase(spans.begin() + std::min(at, Index(spans.size()) - 1));
+  }
+  for (ThreadKnot& knot : knots) {
+    if (at < knot.from) --knot.from;
+    if (at <= knot.to) --knot.to;
+  }
+  std::erase_if(knots, [](const ThreadKnot& knot) { return knot.to <= knot.from; });
+  if (bites.empty()) hand.holds = false;
+}
+
+void Thread::cut_after(Index at) {
+  std::erase_if(knots, [&](const ThreadKnot& knot) { return knot.from <= at && at < knot.to; });
+  if (at < Index(spans.size()))
+    spans[std::size_t(at)].is_cut = true;
+  else
+    hand.holds = false;
+}
+
+void Thread::tie(Index from, Index to, double closing, double tighten, double over) {
+  ThreadKnot knot{from, to, {}, tighten, 0};
+  knot.closing.length = closing;
+  if (over > 0)
+    knot.rate = tighten / over;
+  else {
+    knot.closing.length -= tighten;
+    knot.to_tighten = 0;
+  }
+  const auto after =
+      std::find_if(knots.begin(), knots.end(), [&](const ThreadKnot& other) { return other.from >= to; });
+  knots.insert(after, knot);
+  hand.holds = false;
+}
+
+std::string Thread::fault_of_tie(Index from, Index to) const {
+  if (from < 0 || to >= Index(bites.size()) || from >= to)
+    return "has " + std::to_string(bites.size()) + " bites: a knot is between two of them, in their order";
+  for (Index s = from; s < to; ++s)
+    if (spans[std::size_t(s)].is_cut)
+      return "was cut after bite " + std::to_string(bites[std::size_t(s)].number) +
+             ": what is cut cannot be tied";
+  for (const ThreadKnot& knot : knots)
+    if (from < knot.to && knot.from < to) return "has a knot there already";
+  return "";
+}
+
+}  // namespace lobe

@@ -1,0 +1,81 @@
+// A length of thread: where it passes through tissue, its knots, and whose hand has its ends.
+#pragma once
+
+#include <cmath>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include "lobe/setup/thread_setup.h"
+
+namespace lobe {
+
+struct ThreadSpan {    // from one bite, knot or hand to the next
+  double length = 0;   // natural [m]
+  double tension = 0;  // of the last step [N]
+  int slip = 0;        // at its end, of the last step (Cables::Span)
+  bool is_cut = false;
+  bool is_valid() const {
+    return std::isfinite(length) && std::isfinite(tension) && tension >= 0 && slip >= -1 && slip <= 1;
+  }
+  static constexpr auto fields =
+      std::tuple(&ThreadSpan::length, &ThreadSpan::tension, &ThreadSpan::slip, &ThreadSpan::is_cut);
+};
+
+struct ThreadBite {
+  EmbeddedPoint point;
+  Index number = 0;  // in the order in which they were sewn
+  static constexpr auto fields = std::tuple(&ThreadBite::point, &ThreadBite::number);
+};
+
+struct ThreadKnot {
+  Index from = 0, to = 0;  // in Thread::bites
+  ThreadSpan closing;      // from `to` back to `from`
+  double to_tighten = 0;   // what is still to be drawn in [m]
+  double rate = 0;         // [m/s]
+  static constexpr auto fields = std::tuple(&ThreadKnot::from, &ThreadKnot::to, &ThreadKnot::closing,
+                                            &ThreadKnot::to_tighten, &ThreadKnot::rate);
+};
+
+struct ThreadHand {
+  bool holds = false;
+  Vec3d from = Vec3d::Zero(), to = Vec3d::Zero();  // at the start and end of the frame [m]
+  Vec3d target = Vec3d::Zero();                    // for the next frame [m]
+  ThreadSpan head, tail;                           // to the first bite, from the last
+  static constexpr auto fields = std::tuple(&ThreadHand::holds, &ThreadHand::from, &ThreadHand::to,
+                                            &ThreadHand::target, &ThreadHand::head, &ThreadHand::tail);
+};
+
+struct Thread {
+  int number = 0;
+  std::string name;  // for messages
+  ThreadMaterial material;
+  double at = 0;  // when a planned one is sewn [s]
+  bool is_sewn = false;
+  std::vector<TieSetup> plans;  // knots that are still to be tied, by the numbers of the bites
+  std::vector<ThreadBite> bites;
+  std::vector<ThreadSpan> spans;  // from each bite to the next
+  std::vector<ThreadKnot> knots;  // in their order along the thread
+  ThreadHand hand;
+
+  bool is_valid() const;
+  static constexpr auto fields =
+      std::tuple(&Thread::number, &Thread::name, &Thread::material, &Thread::at, &Thread::is_sewn,
+                 &Thread::plans, &Thread::bites, &Thread::spans, &Thread::knots, &Thread::hand);
+
+  // The present place of a bite by its number; −1: it has torn out, or its tissue is gone.
+  Index find(Index number) const;
+  // Takes a bite out of the thread, which then runs straight past it. A loop that has no two bites left ends.
+  void remove_bite(Index at);
+  // Opens the thread behind a bite, and the loop that this is part of.
+  void cut_after(Index at);
+  // A knot between two bites whose closing span has this length [m].
+  void tie(Index from, Index to, double closing, double tighten, double over);
+  // Whether the thread may be tied there: empty, or why not.
+  std::string fault_of_tie(Index from, Index to) const;
+  bool may_be_taut() const { return is_sewn && (!knots.empty() || hand.holds); }
+};
+
+Thread planned(const StitchSetup& stitch, int number);
+
+}  // namespace lobe

@@ -1,0 +1,654 @@
+#include "lobe/forces/threads.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "lobe/error.h"
+#include "lobe/file/fields.h"
+#include "lobe/text.h"
+
+namespace lobe {
+namespace {
+
+std::string named(const Thread& thread) { return "thread \"" + thread.name + "\""; }
+
+[[noreturn]] void refuse(const Thread& thread, const std::string& why) {
+  throw InputError(named(thread), why);
+}
+
+template <class At>
+double way_between(const Thread& thread, Index a, Index b, const At& at) {  // of two bites [m]
+  const auto place = [&](Index i) {
+    return position(thread.bites[std::size_t(i)].point, at.model.elements, at.u);
+  };
+  return (place(b) - place(a)).norm();
+}
+
+}  // namespace
+
+template <class Real>
+Threads<Real>::Threads(const Setup& setup) {
+  for (const StitchSetup& stitch : setup.stitches)
+    state_.threads.push_back(planned(stitch, int(state_.threads.size())));
+}
+
+// ---- Commands
+
+template <class Real>
+Thread& Threads<Real>::find(int number) {
+  for (Thread& thread : state_.threads)
+    if (thread.number == number) return thread;
+  throw InputError("thread " + std::to_string(number), "there is none of this number");
+}
+
+template <class Real>
+void Threads<Real>::bring(int number, const ThreadMaterial& material) {
+  const std::string whose = "thread " + std::to_string(number);
+  if (number < 0) throw InputError(whose, "a number must be at least 0");
+  for (const Thread& thread : state_.threads)
+    if (thread.number == number) throw InputError(whose, "there is one of this number already");
+  material.check(
+      [](bool holds, const std::string& fault) {
+        if (!holds) throw InputError("thread", fault);
+      },
+      whose);
+  Thread thread;
+  thread.number = number;
+  thread.name = std::to_string(number);
+  thread.material = material;
+  thread.is_sewn = true;
+  const auto after = std::find_if(state_.threads.begin(), state_.threads.end(),
+                                  [&](const Thread& other) { return other.number > number; });
+  state_.threads.insert(after, std::move(thread));
+  is_arranged_ = false;
+}
+
+template <class Real>
+void Threads<Real>::bite(int number, const EmbeddedPoint& point, const At& at) {
+  Thread& thread = find(number);
+  if (!thread.is_sewn) refuse(thread, "is not sewn yet");
+  if (!point.is_valid() || !exists(point, at.model.elements.topology))
+    refuse(thread, "cannot pass tetrahedron " + std::to_string(point.tet) +
+                       ": it does not exist, or the weights do not have the sum 1");
+  Index next = 0;
+  for (const ThreadBite& bite : thread.bites) next = std::max(next, bite.number + 1);
+  thread.bites.push_back({point, next});
+  const auto last = Index(thread.bites.size()) - 1;
+  if (last > 0) {
+    thread.spans.emplace_back().length = way_between(thread, last - 1, last, at);
+  }
+  const Vec3d x = position(point, at.model.elements, at.u);
+  if (thread.hand.holds) thread.hand.tail.length = (thread.hand.to - x).norm();
+  is_arranged_ = false;
+}
+
+// What is slack between two bites lies straight.
+template <class Real>
+void Threads<Real>::lengthen_to_fit(Thread& thread, Index from, Index to, const At& at) {
+  for (Index i = from; i < to; ++i) {
+    ThreadSpan& span = thread.spans[std::size_t(i)];
+    if (span.tension == 0) span.length = way_between(thread, i, i + 1, at);
+  }
+}
+
+template <class Real>
+void Threads<Real>::pull(int number, bool on, const Vec3d& point, const At& at) {
+  Thread& thread = find(number);
+  ThreadHand& hand = thread.hand;
+  if (!point.allFinite()) refuse(thread, "is pulled to a point that is not finite");
+  if (!thread.is_sewn || thread.bites.empty()) refuse(thread, "passes no tissue yet: it cannot be pulled");
+  if (on && hand.holds) {
+    hand.target = point;
+    return;
+  }
+  if (on) {
+    hand = {true, point, point, point, {}, {}};
+    const auto place = [&](const ThreadBite& bite) { return position(bite.point, at.model.elements, at.u); };
+    hand.tail.length = (point - place(thread.bites.back())).norm();
+    hand.head.length = (point - place(thread.bites.front())).norm();
+    lengthen_to_fit(thread, thread.knots.empty() ? 0 : thread.knots.back().to, Index(thread.spans.size()),
+                    at);
+  }
+  hand.holds = on;
+  is_arranged_ = false;
+}
+
+template <class Real>
+void Threads<Real>::tie(int number, Index from, Index to, double tighten, double over, const At& at) {
+  Thread& thread = find(number);
+  if (!thread.is_sewn) refuse(thread, "is not sewn yet");
+  if (!(tighten >= 0 && std::isfinite(tighten) && over >= 0 && std::isfinite(over)))
+    refuse(thread, "is tightened by a length or in a time that is below 0 or not finite");
+  for (const Index bite : {from, to})
+    if (thread.find(bite) < 0) refuse(thread, "has no bite " + std::to_string(bite) + ", or not any more");
+  from = thread.find(from);
+  to = thread.find(to);
+  if (const std::string fault = thread.fault_of_tie(from, to); !fault.empty()) refuse(thread, fault);
+  lengthen_to_fit(thread, from, to, at);
+  const double closing = way_between(thread, from, to, at);
+  double path = closing;
+  for (Index i = from; i < to; ++i) path += thread.spans[std::size_t(i)].length;
+  if (tighten > path / 2)
+    refuse(thread, "is tightened by " + rounded(tighten) + " m, more than half of its loop of " +
+                       rounded(path) + " m");
+  thread.tie(from, to, closing, tighten, over);
+  is_arranged_ = false;
+}
+
+template <class Real>
+void Threads<Real>::cut(int number, Index after) {
+  Thread& thread = find(number);
+  const Index at = thread.find(after);
+  if (at < 0) refuse(thread, "has no bite " + std::to_string(after) + ", or not any more");
+  thread.cut_after(at);
+  is_arranged_ = false;
+}
+
+// ---- Plans of a scene. They are performed in the first step of a frame.
+
+template <class Real>
+void Threads<Real>::begin_frame(double time, double duration) {
+  begin_ = time;
+  duration_ = duration;
+  due_ = time;
+  for (Thread& thread : state_.threads) {
+    thread.hand.from = thread.hand.to;
+    thread.hand.to = thread.hand.target;
+    const bool is_tied = !thread.plans.empty() && thread.plans.front().at <= due_;
+    has_changed_ = has_changed_ || is_tied || (!thread.is_sewn && thread.at <= due_);
+  }
+}
+
+template <class Real>
+void Threads<Real>::perform_plans(const At& at) {
+  for (Thread& thread : state_.threads) {
+    if (!thread.is_sewn && thread.at <= due_) sew(thread, at);
+    while (thread.is_sewn && !thread.plans.empty() && thread.plans.front().at <= due_) {
+      const TieSetup plan = thread.plans.front();
+      thread.plans.erase(thread.plans.begin());
+      tie_planned(thread, plan, at);
+    }
+  }
+}
+
+template <class Real>
+void Threads<Real>::sew(Thread& thread, const At& at) {
+  thread.is_sewn = true;
+  is_arranged_ = false;
+  lengthen_to_fit(thread, 0, Index(thread.spans.size()), at);
+}
+
+template <class Real>
+void Threads<Real>::tie_planned(Thread& thread, const TieSetup& plan, const At& at) {
+  try {
+    tie(thread.number, plan.from, plan.to, plan.tighten, plan.over, at);
+  } catch (const InputError& error) {
+    report(TermEvent::Kind::torn, thread, "is not tied: it " + error.faults().front().message);
+  }
+}
+
+template <class Real>
+void Threads<Real>::report(TermEvent::Kind kind, const Thread& thread, const std::string& what) {
+  state_.events.push_back({kind, time_, named(thread) + " " + what});
+}
+
+// ---- The cables
+
+template <class Real>
+void Threads<Real>::see_body(const BodyView& body, const At&) {
+  grains_ = body.grains;
+  const Revisions& now = body.model.revisions;
+  if (seen_structure_ == now.structure && seen_inertia_ == now.inertia &&
+      inverse_mass_.cols() == Eigen::Index(body.mass.size()))
+    return;
+  seen_structure_ = now.structure;
+  seen_inertia_ = now.inertia;
+  inverse_mass_.resize(3, Eigen::Index(body.mass.size()));
+  for (std::size_t v = 0; v < body.mass.size(); ++v)
+    inverse_mass_.col(Eigen::Index(v)).setConstant(body.mass[v] > 0 ? 1 / body.mass[v] : 0);
+  for (const HeldVertices::Held& item : body.model.held.all())
+    for (int i = 0; i < 3; ++i)
+      if (item.axes[i]) inverse_mass_(i, item.vertex) = 0;
+  is_coupled_ = false;
+}
+
+template <class Real>
+void Threads<Real>::arrange() {
+  if (is_arranged_) return;
+  cables_.clear();
+  sources_.clear();
+  span_sources_.clear();
+  for (std::size_t i = 0; i < state_.threads.size(); ++i)
+    if (state_.threads[i].may_be_taut()) add_cables_of(i);
+  is_arranged_ = true;
+  is_coupled_ = false;
+}
+
+// Each loop is a closed chain; the thread between two knots, or from a knot to the hand, is an open one. What
+// ends freely pulls at nothing.
+template <class Real>
+void Threads<Real>::add_cables_of(std::size_t number) {
+  Thread& thread = state_.threads[number];
+  std::vector<Index> points(thread.bites.size(), -1);
+  const auto point_of = [&](Index bite) {
+    Index& point = points[std::size_t(bite)];
+    if (point < 0) {
+      point = cables_.add_point(thread.material.holds);
+      sources_.push_back({number, bite, {}});
+    }
+    return point;
+  };
+  std::vector<SpanSource> spans;
+  std::vector<Index> through;
+  bool is_whole = true;
+  const auto add_spans = [&](Index from, Index to) {
+    for (Index i = from; i < to; ++i) {
+      spans.push_back({number, &thread.spans[std::size_t(i)], i});
+      is_whole = is_whole && !thread.spans[std::size_t(i)].is_cut;
+    }
+    for (Index i = from; i <= to; ++i) through.push_back(point_of(i));
+  };
+  const auto add = [&](bool is_closed) {
+    if (is_whole && !spans.empty()) add_chain(number, spans, through, is_closed);
+    spans.clear();
+    through.clear();
+    is_whole = true;
+  };
+  Index end = -1;  // the last knot
+  for (ThreadKnot& knot : thread.knots) {
+    if (end >= 0) {
+      add_spans(end, knot.from);
+      add(false);
+    }
+    add_spans(knot.from, knot.to);
+    spans.push_back({number, &knot.closing, -1});
+    add(true);
+    end = knot.to;
+  }
+  if (!thread.hand.holds) return;
+  const Index hand = cables_.add_point();
+  sources_.push_back({number, -1, {}});
+  if (end < 0) {
+    spans.push_back({number, &thread.hand.head, -1});
+    through.push_back(hand);
+  }
+  add_spans(std::max(end, Index(0)), Index(thread.bites.size()) - 1);
+  spans.push_back({number, &thread.hand.tail, -1});
+  through.push_back(hand);
+  add(false);
+}
+
+template <class Real>
+void Threads<Real>::add_chain(std::size_t thread, const std::vector<SpanSource>& spans,
+                              const std::vector<Index>& points, bool is_closed) {
+  const ThreadMaterial& material = state_.threads[thread].material;
+  std::vector<Cables::Span> cables;
+  for (std::size_t i = 0; i < spans.size(); ++i) {
+    Cables::Span& cable = cables.emplace_back();
+    cable.p = points[i];
+    cable.q = points[(i + 1) % points.size()];
+    cable.stiffness = material.stiffness;
+    cable.friction = material.friction;
+    cable.length = spans[i].span->length;
+    cable.tension = spans[i].span->tension;
+    cable.slip = spans[i].span->slip;
+  }
+  cables_.add_chain(cables, is_closed);
+  span_sources_.insert(span_sources_.end(), spans.begin(), spans.end());
+}
+
+template <class Real>
+Vec3d Threads<Real>::mobility(const Model& model, Index a, Index b) const {
+  const Source &first = sources_[std::size_t(a)], &second = sources_[std::size_t(b)];
+  Vec3d sum = Vec3d::Zero();
+  if (first.bite < 0 || second.bite < 0) return sum;
+  const auto point = [&](const Source& source) -> const EmbeddedPoint& {
+    return state_.threads[source.thread].bites[std::size_t(source.bite)].point;
+  };
+  const EmbeddedPoint &p = point(first), &q = point(second);
+  const Eigen::Vector4i at = model.elements.topology.corners(p.tet),
+                        other = model.elements.topology.corners(q.tet);
+  for (int i = 0; i < 4; ++i)
+    for (int k = 0; k < 4; ++k)
+      if (at[i] == other[k]) sum += p.weights[i] * q.weights[k] * inverse_mass_.col(at[i]);
+  return sum;
+}
+
+template <class Real>
+Vec3d Threads<Real>::hand_at(const ThreadHand& hand, double time) const {
+  const double share = duration_ > 0 ? std::clamp((time - begin_) / duration_, 0.0, 1.0) : 1;
+  return hand.from + share * (hand.to - hand.from);
+}
+
+// Where the points of the cables are; with f, also the velocities that they would have without the cables.
+template <class Real>
+void Threads<Real>::place_points(const At& at, const Mat3X<Real>* f) {
+  const Elements& elements = at.model.elements;
+  for (std::size_t p = 0; p < sources_.size(); ++p) {
+    const Source& source = sources_[p];
+    const Thread& thread = state_.threads[source.thread];
+    Cables::Point& point = cables_.points()[p];
+    if (source.bite < 0) {
+      point.x = hand_at(thread.hand, at.time);
+      if (f) point.v = (hand_at(thread.hand, at.time + at.kick.dt) - point.x) / at.kick.dt;
+      continue;
+    }
+    const EmbeddedPoint& place = thread.bites[std::size_t(source.bite)].point;
+    point.x = position(place, elements, at.u);
+    if (!f) continue;
+    const Eigen::Vector4i corners = elements.topology.corners(place.tet);
+    point.v.setZero();
+    for (int c = 0; c < 4; ++c) {
+      const Vec3d v = at.v.col(corners[c]).template cast<double>(),
+                  force = f->col(corners[c]).template cast<double>(), inverse = inverse_mass_.col(corners[c]);
+      for (int i = 0; i < 3; ++i)
+        point.v[i] += place.weights[c] *
+                      (inverse[i] == 0 ? v[i] : at.kick.keep * v[i] + at.kick.push * inverse[i] * force[i]);
+    }
+  }
+}
+
+// ---- Forces
+
+// Outside of steps the tensions are those of the last one.
+template <class Real>
+void Threads<Real>::add_forces(const At& at, Mat3X<Real>& f) {
+  if (state_.threads.empty()) return;
+  const bool is_step = at.kick.dt > 0;
+  time_ = at.time;
+  if (is_step) perform_plans(at);
+  arrange();
+  if (cables_.empty()) return;
+  place_points(at, is_step ? &f : nullptr);
+  if (is_step) {
+    if (!is_coupled_) cables_.couple([&](Index a, Index b) { return mobility(at.model, a, b); });
+    is_coupled_ = true;
+    cables_.solve(at.kick.dt, at.kick.push);
+    is_solved_ = true;
+  } else {
+    cables_.place();
+    cables_.sum_forces();
+  }
+  for (std::size_t p = 0; p < sources_.size(); ++p) {
+    Source& source = sources_[p];
+    if (source.bite < 0) continue;
+    const Cables::Point& point = cables_.points()[p];
+    const EmbeddedPoint& place = state_.threads[source.thread].bites[std::size_t(source.bite)].point;
+    add_force(place, at.model.elements.topology, point.force, f);
+    if (is_step && point.way > 0)
+      source.moved =
+          moved_through(place, Vec3d(point.x + point.way * point.along), at.model.elements, grains_, at.u);
+  }
+}
+
+template <class Real>
+void Threads<Real>::add_diagonal_stiffness(const At& at, DiagonalStiffness& K) {
+  if (state_.threads.empty()) return;
+  arrange();
+  place_points(at, nullptr);
+  cables_.place();
+  for (const Cables::Span& span : cables_.spans()) {
+    if (span.tension == 0) continue;
+    const Mat3<double> across = 2 * span.tension / std::max(span.stretched, Cables::shortest) *
+                                (Mat3<double>::Identity() - span.along * span.along.transpose());
+    for (const Index p : {span.p, span.q}) {
+      const Source& source = sources_[std::size_t(p)];
+      if (source.bite < 0) continue;
+      const EmbeddedPoint& place = state_.threads[source.thread].bites[std::size_t(source.bite)].point;
+      const Eigen::Vector4i corners = at.model.elements.topology.corners(place.tet);
+      for (int c = 0; c < 4; ++c)
+        for (int i = 0, entry = 0; i < 3; ++i)
+          for (int k = i; k < 3; ++k, ++entry)
+            K(entry, corners[c]) += std::abs(place.weights[c]) * across(i, k);
+    }
+  }
+}
+
+template <class Real>
+double Threads<Real>::energy(const At& at) {
+  if (state_.threads.empty()) return 0;
+  arrange();
+  place_points(at, nullptr);
+  cables_.place();
+  return cables_.energy();
+}
+
+template <class Real>
+std::vector<Index> Threads<Real>::acts_on(const Model& model) const {
+  std::vector<Index> vertices;
+  for (const Thread& thread : state_.threads)
+    for (const ThreadBite& bite : thread.bites) {
+      if (bite.point.tet >= model.elements.topology.tet_count())
+        throw InputError("checkpoint", "has a thread in tetrahedron " + std::to_string(bite.point.tet) +
+                                           ", which the body does not have");
+      const bool is_due = !thread.plans.empty() && thread.plans.front().at <= due_;
+      if (!thread.may_be_taut() && !is_due) continue;
+      for (const Index v : model.elements.topology.corners(bite.point.tet)) vertices.push_back(v);
+    }
+  return vertices;
+}
+
+// ---- After a step
+
+template <class Real>
+void Threads<Real>::take_back_steps() {
+  state_ = saved_;
+  is_arranged_ = is_solved_ = false;
+}
+
+template <class Real>
+void Threads<Real>::end_step(double, double dt) {
+  if (!std::exchange(is_solved_, false)) return;
+  const Cables::Losses losses = cables_.slip();
+  state_.ledger.friction += losses.friction;
+  state_.ledger.cut += losses.cut;
+  for (std::size_t p = 0; p < sources_.size(); ++p)
+    if (sources_[p].bite < 0) state_.ledger.hand -= cables_.points()[p].force.dot(cables_.points()[p].v) * dt;
+  for (std::size_t s = 0; s < span_sources_.size(); ++s) {
+    ThreadSpan& span = *span_sources_[s].span;
+    const Cables::Span& found = cables_.spans()[s];
+    span.length = found.length;
+    span.tension = found.tension;
+    span.slip = found.slip;
+  }
+  tighten_knots(dt);
+  for (std::size_t s = 0; s < span_sources_.size(); ++s)
+    cables_.spans()[s].length = span_sources_[s].span->length;
+  break_threads();
+  move_bites();
+}
+
+template <class Real>
+void Threads<Real>::tighten_knots(double dt) {
+  for (Thread& thread : state_.threads)
+    for (ThreadKnot& knot : thread.knots) {
+      if (knot.to_tighten == 0) continue;
+      const double drawn = std::min(knot.to_tighten, knot.rate * dt);
+      knot.to_tighten -= drawn;
+      knot.closing.length -= drawn;
+      const double T = knot.closing.tension;
+      state_.ledger.hand += (T + T * T / (2 * thread.material.stiffness)) * drawn;
+    }
+}
+
+template <class Real>
+void Threads<Real>::break_threads() {
+  std::size_t broken = state_.threads.size();  // one break per thread and step
+  for (std::size_t s = 0; s < span_sources_.size(); ++s) {
+    const SpanSource source = span_sources_[s];
+    Thread& thread = state_.threads[source.thread];
+    const double tension = cables_.spans()[s].tension;
+    if (!(tension > thread.material.strength) || source.thread == broken) continue;
+    broken = source.thread;
+    is_arranged_ = false;
+    std::string where = "in the hand";
+    if (source.after >= 0) {
+      where = "after bite " + std::to_string(thread.bites[std::size_t(source.after)].number);
+      thread.cut_after(source.after);
+    } else {
+      const auto is_it = [&](const ThreadKnot& knot) { return &knot.closing == source.span; };
+      if (std::erase_if(thread.knots, is_it) > 0)
+        where = "at a knot";
+      else
+        thread.hand.holds = false;
+    }
+    report(TermEvent::Kind::broken, thread, "broke " + where + " at " + rounded(tension) + " N");
+  }
+}
+
+// Bites that have given way lie elsewhere; those that came to the surface have torn out. Later bites of a
+// thread come first, so that the places of the others stay.
+template <class Real>
+void Threads<Real>::move_bites() {
+  torn_.clear();
+  for (std::size_t p = 0; p < sources_.size(); ++p) {
+    const Source& source = sources_[p];
+    const Cables::Point& point = cables_.points()[p];
+    if (source.bite < 0 || point.way == 0) continue;
+    if (source.moved.tet >= 0) {
+      state_.threads[source.thread].bites[std::size_t(source.bite)].point = source.moved;
+      is_coupled_ = false;
+    } else {
+      torn_.push_back({source.thread, source.bite});
+    }
+  }
+  std::sort(torn_.rbegin(), torn_.rend());
+  for (const auto& [number, bite] : torn_) {
+    Thread& thread = state_.threads[number];
+    report(TermEvent::Kind::torn, thread,
+           "has torn out of the tissue at bite " + std::to_string(thread.bites[std::size_t(bite)].number) +
+               ", which held " + rounded(thread.material.holds) + " N");
+    thread.remove_bite(bite);
+    is_arranged_ = false;
+  }
+}
+
+// ---- Cuts
+
+template <class Real>
+void Threads<Real>::follow(const Topology& topology, const MeshEdit&) {
+  for (Thread& thread : state_.threads)
+    for (auto i = Index(thread.bites.size()); i-- > 0;) {
+      const ThreadBite bite = thread.bites[std::size_t(i)];
+      if (exists(bite.point, topology)) continue;
+      thread.remove_bite(i);
+      report(TermEvent::Kind::torn, thread, "has lost the tissue around bite " + std::to_string(bite.number));
+      is_arranged_ = false;
+    }
+  is_coupled_ = false;
+}
+
+template <class Real>
+void Threads<Real>::follow_grains(const Elements& elements, const Grains& grains, const MeshEdit& edit) {
+  for (Thread& thread : state_.threads)
+    for (ThreadBite& bite : thread.bites) follow_division(bite.point, elements, grains, edit);
+}
+
+// ---- State
+
+template <class Real>
+std::string Threads<Real>::save() const {
+  io::ByteWriter out;
+  io::put(out, state_.threads);
+  io::put(out, state_.ledger);
+  io::put(out, std::uint64_t(state_.events.size()));
+  for (const TermEvent& event : state_.events) {
+    io::put(out, std::uint8_t(event.kind));
+    io::put(out, event.time);
+    io::put(out, event.text);
+  }
+  return out.bytes();
+}
+
+template <class Real>
+void Threads<Real>::load(const std::string& saved, Index) {
+  io::ByteReader in("checkpoint", saved);
+  State found;
+  io::get(in, found.threads);
+  for (std::size_t i = 1; i < found.threads.size(); ++i)
+    in.expect(found.threads[i].number > found.threads[i - 1].number);
+  io::get(in, found.ledger);
+  constexpr std::size_t least_bytes = 17;  // of an event
+  found.events.resize(in.get_count(least_bytes));
+  for (TermEvent& event : found.events) {
+    event.kind = TermEvent::Kind(in.get_choice(1 + int(TermEvent::Kind::broken)));
+    io::get(in, event.time);
+    io::get(in, event.text);
+  }
+  in.expect_end();
+  state_ = std::move(found);
+  is_arranged_ = is_solved_ = false;
+}
+
+// A knot has drawn its loop in by what it is shorter than at rest.
+template <class Real>
+std::vector<StitchSetup> Threads<Real>::stitches(const Elements& elements) const {
+  std::vector<StitchSetup> stitches;
+  for (const Thread& thread : state_.threads) {
+    if (thread.bites.size() < 2) continue;
+    StitchSetup& stitch = stitches.emplace_back();
+    stitch.name = thread.name;
+    stitch.material = thread.material;
+    stitch.at = thread.at;
+    std::vector<Vec3d> places;
+    for (const ThreadBite& bite : thread.bites) {
+      stitch.bites.push_back(bite.point);
+      places.push_back(rest_position(bite.point, elements));
+    }
+    for (const ThreadKnot& knot : thread.knots) {
+      const auto from = std::size_t(knot.from), to = std::size_t(knot.to);
+      double slack = (places[to] - places[from]).norm() - knot.closing.length;
+      for (std::size_t i = from; i < to; ++i)
+        slack += (places[i + 1] - places[i]).norm() - thread.spans[i].length;
+      stitch.ties.push_back({knot.from, knot.to, thread.at, std::max(0.0, slack) + knot.to_tighten});
+    }
+    for (const TieSetup& plan : thread.plans)
+      if (const Index from = thread.find(plan.from), to = thread.find(plan.to); from >= 0 && to >= 0)
+        stitch.ties.push_back({from, to, plan.at, plan.tighten, plan.over});
+  }
+  return stitches;
+}
+
+// ---- Drawing
+
+template <class Real>
+std::vector<ThreadLine> Threads<Real>::lines(const At& at) const {
+  std::vector<ThreadLine> lines;
+  const auto place = [&](const ThreadBite& bite) { return position(bite.point, at.model.elements, at.u); };
+  for (const Thread& thread : state_.threads) {
+    if (!thread.is_sewn || thread.bites.empty()) continue;
+    const auto begin = [&](const Vec3d& x) {
+      ThreadLine& line = lines.emplace_back(ThreadLine{thread.number, thread.name, x, {}});
+      line.points = x;
+    };
+    const auto extend = [&](const Vec3d& x, double tension) {
+      ThreadLine& line = lines.back();
+      line.points.conservativeResize(3, line.points.cols() + 1);
+      line.points.rightCols<1>() = x;
+      line.tensions.push_back(tension);
+    };
+    const Vec3d hand = hand_at(thread.hand, at.time);
+    const bool has_head = thread.hand.holds && thread.knots.empty();
+    begin(has_head ? hand : place(thread.bites.front()));
+    if (has_head) extend(place(thread.bites.front()), thread.hand.head.tension);
+    for (std::size_t i = 0; i + 1 < thread.bites.size(); ++i) {
+      const Vec3d x = place(thread.bites[i + 1]);
+      if (thread.spans[i].is_cut)
+        begin(x);
+      else
+        extend(x, thread.spans[i].tension);
+    }
+    if (thread.hand.holds) extend(hand, thread.hand.tail.tension);
+    for (const ThreadKnot& knot : thread.knots) {
+      begin(place(thread.bites[std::size_t(knot.to)]));
+      extend(place(thread.bites[std::size_t(knot.from)]), knot.closing.tension);
+    }
+  }
+  std::erase_if(lines, [](const ThreadLine& line) { return line.tensions.empty(); });
+  return lines;
+}
+
+template class Threads<float>;
+template class Threads<double>;
+
+}  // namespace lobe

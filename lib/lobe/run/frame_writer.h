@@ -30,12 +30,14 @@ class FrameWriter {
 
  private:
   template <class Real>
+  void record_threads(World<Real>& world);
+  template <class Real>
   void add_pictures(World<Real>& world, const std::string& frame);
 
   Output output_;
   std::vector<ObstacleSetup> obstacles_;
   std::filesystem::path directory_;
-  std::vector<std::pair<double, std::string>> frames_;
+  std::vector<std::pair<double, std::string>> frames_, threads_;
   nlohmann::ordered_json pictures_ = nlohmann::ordered_json::array();
   double next_frame_ = 0;  // [s]
   std::size_t next_picture_ = 0;

@@ -17,7 +17,8 @@ bool is_numbered(const std::string& file, const std::string& prefix, const std::
 
 bool is_result(const std::string& file) {
   return is_numbered(file, "frame_", ".vtu") || is_numbered(file, "picture_", ".png") ||
-         file == "report.json" || file == "series.pvd" || file == "pictures.json";
+         is_numbered(file, "threads_", ".vtp") || file == "report.json" || file == "series.pvd" ||
+         file == "threads.pvd" || file == "pictures.json";
 }
 
 }  // namespace

@@ -1,0 +1,64 @@
+#include "lobe/run/thread_file.h"
+
+#include <Eigen/Geometry>
+#include <sstream>
+
+#include "lobe/file/atomic_file.h"
+
+namespace lobe {
+namespace {
+
+template <class Visit>
+void for_segments(const std::vector<ThreadLine>& lines, Visit&& visit) {
+  for (const ThreadLine& line : lines)
+    for (std::size_t i = 0; i < line.tensions.size(); ++i)
+      visit(line, Vec3d(line.points.col(Eigen::Index(i))), Vec3d(line.points.col(Eigen::Index(i) + 1)),
+            line.tensions[i]);
+}
+
+void put_array(std::ostream& out, const char* type, const char* name, const std::string& values) {
+  out << "<DataArray type=\"" << type << "\" Name=\"" << name << "\" format=\"ascii\">" << values
+      << "</DataArray>\n";
+}
+
+}  // namespace
+
+void write_threads(const std::filesystem::path& file, const std::vector<ThreadLine>& lines) {
+  std::ostringstream points, connectivity, offsets, threads, tensions;
+  points.precision(17);
+  tensions.precision(17);
+  std::size_t count = 0;
+  for_segments(lines, [&](const ThreadLine& line, const Vec3d& from, const Vec3d& to, double tension) {
+    for (const Vec3d& x : {from, to}) points << x[0] << ' ' << x[1] << ' ' << x[2] << ' ';
+    connectivity << 2 * count << ' ' << 2 * count + 1 << ' ';
+    offsets << 2 * ++count << ' ';
+    threads << line.thread << ' ';
+    tensions << tension << ' ';
+  });
+  std::ostringstream out;
+  out << "<?xml version=\"1.0\"?>\n<VTKFile type=\"PolyData\" version=\"1.0\">\n<PolyData>\n"
+      << "<Piece NumberOfPoints=\"" << 2 * count << "\" NumberOfLines=\"" << count << "\">\n<Points>\n"
+      << "<DataArray type=\"Float64\" NumberOfComponents=\"3\" format=\"ascii\">" << points.str()
+      << "</DataArray>\n</Points>\n<Lines>\n";
+  put_array(out, "Int64", "connectivity", connectivity.str());
+  put_array(out, "Int64", "offsets", offsets.str());
+  out << "</Lines>\n<CellData>\n";
+  put_array(out, "Int32", "thread", threads.str());
+  put_array(out, "Float64", "tension", tensions.str());
+  out << "</CellData>\n</Piece>\n</PolyData>\n</VTKFile>\n";
+  io::write_file(file, out.str());
+}
+
+void add_threads(nlohmann::ordered_json& bodies, const std::vector<ThreadLine>& lines) {
+  constexpr double radius = 0.0003;  // [m], that it is seen
+  for_segments(lines, [&](const ThreadLine&, const Vec3d& from, const Vec3d& to, double) {
+    const double length = (to - from).norm();
+    if (length == 0) return;
+    const auto turn = Eigen::Quaterniond::FromTwoVectors(Vec3d::UnitZ(), Vec3d(to - from));
+    bodies.push_back({{"capsule", {radius, length}},
+                      {"position", {from[0], from[1], from[2]}},
+                      {"orientation", {turn.x(), turn.y(), turn.z(), turn.w()}}});
+  });
+}
+
+}  // namespace lobe

@@ -7,7 +7,7 @@ namespace lobe {
 
 template <class Real>
 Regions<Real>::Regions(const Setup& setup, const CondensingLog::Progress& condensing)
-    : nonlinear_(setup.evaluator),
+    : free_(free_regions<Real>(setup.evaluator)),
       expanded_(setup.evaluator),
       precomputed_(CondensingLog(condensing), make_supernodal),
       reduced_(setup.lattice_cell, setup.evaluator),
@@ -31,8 +31,7 @@ void Regions<Real>::refuse(RegionModel model, const std::vector<Index>& tets, co
 
 template <class Real>
 void Regions<Real>::follow(const Elements& elements, const RegionEdit& edit) {
-  tensor_mass_.follow(elements, edit);
-  nonlinear_.follow(elements, edit);
+  for_free([&](auto& region) { region.follow(elements, edit); });
   reduced_.follow(elements, edit);
   if (expandable_) expanded_.follow(elements, edit, RegionModel::precomputed);
 }
@@ -88,8 +87,7 @@ void Regions<Real>::end_restoring(const Elements& elements, const State& state, 
 
 template <class Real>
 void Regions<Real>::add_free_forces(const Mat3X<Real>& u, Mat3X<Real>& f, Parallel& parallel) {
-  tensor_mass_.add_forces(u, f, parallel);
-  nonlinear_.add_forces(u, f, parallel);
+  for_free([&](auto& region) { region.add_forces(u, f, parallel); });
   reduced_.add_full_forces(u, f, parallel);
   if (is_expanded_) expanded_.add_forces(u, f, parallel);
 }
@@ -109,8 +107,7 @@ void Regions<Real>::add_forces_near_rest(const Mat3X<Real>& u, Mat3X<Real>& f, P
 
 template <class Real>
 void Regions<Real>::add_tet_forces_near_rest(const Mat3X<Real>& u, Mat3X<Real>& f, Parallel& parallel) {
-  tensor_mass_.add_forces(u, f, parallel);
-  nonlinear_.add_forces(u, f, parallel);
+  for_free([&](auto& region) { region.add_forces(u, f, parallel); });
   reduced_.add_tet_forces(u, f, parallel);
   if (is_expanded_)
     expanded_.add_forces(u, f, parallel);
@@ -126,19 +123,19 @@ void Regions<Real>::add_forces_near(const Mat3X<Real>& u, double missing_share, 
 }
 
 template <class Real>
-typename Patches<Real>::Stiffness Regions<Real>::add_diagonal_stiffness(const Mat3X<Real>& u,
-                                                                        DiagonalStiffness& K,
-                                                                        Parallel& parallel) {
-  tensor_mass_.add_diagonal_stiffness(u, K, parallel);
-  auto found = nonlinear_.add_diagonal_stiffness(u, K, parallel);
-  const auto full = reduced_.add_diagonal_stiffness(u, K, parallel);
-  if (full.smallest_volume_ratio < found.smallest_volume_ratio) found = full;
-  if (is_expanded_) {
-    const auto others = expanded_.add_diagonal_stiffness(u, K, parallel);
-    if (others.smallest_volume_ratio < found.smallest_volume_ratio) found = others;
-  } else {
+SmallestVolumeRatio Regions<Real>::add_diagonal_stiffness(const Mat3X<Real>& u, DiagonalStiffness& K,
+                                                          Parallel& parallel) {
+  SmallestVolumeRatio found;
+  const auto add = [&](auto& region) {
+    const SmallestVolumeRatio other = region.add_diagonal_stiffness(u, K, parallel);
+    if (other.smallest_volume_ratio < found.smallest_volume_ratio) found = other;
+  };
+  for_free(add);
+  add(reduced_);
+  if (is_expanded_)
+    add(expanded_);
+  else
     precomputed_.add_diagonal_stiffness(u, K);
-  }
   ++sums_revision_;
   return found;
 }
@@ -147,8 +144,7 @@ template <class Real>
 ElasticEnergy Regions<Real>::energy(const Elements& elements, const StateColumns<Real>& state) {
   const Mat3X<Real>& u = state.u.padded();
   ElasticEnergy e;
-  e.linear = tensor_mass_.energy(u);
-  e.nonlinear = nonlinear_.energy(u);
+  for_free([&](auto& region) { (is_linear(region.model) ? e.linear : e.nonlinear) += region.energy(u); });
   if (is_expanded_) {
     e.nonlinear += expanded_.energy(u);
   } else {

@@ -1,7 +1,7 @@
-// All regions of a body: tensor-mass, non-linear, reduced and pre-computed ones, which share vertices at
-// their interfaces. Whoever moves the body asks this class, and no region by itself. Only this class knows
-// which tetrahedra are condensed, whether they are expanded, that is, non-linear for a while, and which
-// vertices follow a lattice.
+// All regions of a body: those whose vertices move by themselves (free_regions.h), reduced and pre-computed
+// ones. They share vertices at their interfaces. Whoever moves the body asks this class, and no region by
+// itself. Only this class knows which tetrahedra are condensed, whether they are expanded, that is,
+// non-linear for a while, and which vertices follow a lattice.
 #pragma once
 
 #include <algorithm>
@@ -12,9 +12,8 @@
 #include "lobe/body/model.h"
 #include "lobe/body/motion.h"
 #include "lobe/condense/precomputed.h"
+#include "lobe/forces/free_regions.h"
 #include "lobe/lattice/lattice_region.h"
-#include "lobe/region/nonlinear.h"
-#include "lobe/region/tensor_mass.h"
 
 namespace lobe {
 
@@ -205,8 +204,7 @@ class Regions {
   void add_tet_forces_near_rest(const Mat3X<Real>& u, Mat3X<Real>& f, Parallel& parallel);
   // Adds the stiffness that each vertex feels when it moves while its neighbours are held. Returns the
   // smallest det F.
-  typename Patches<Real>::Stiffness add_diagonal_stiffness(const Mat3X<Real>& u, DiagonalStiffness& K,
-                                                           Parallel& parallel);
+  SmallestVolumeRatio add_diagonal_stiffness(const Mat3X<Real>& u, DiagonalStiffness& K, Parallel& parallel);
   ElasticEnergy energy(const Elements& elements, const StateColumns<Real>& state);
   // The displacement error of a condensed interior because it has no inertia, √Σ m |u|² [√kg m], at this mean
   // acceleration of the interface [m/s²].
@@ -221,8 +219,7 @@ class Regions {
 
   template <class Visit>  // visit(layout, sums), of all that is evaluated in patches
   void visit_patches(Visit&& visit) {
-    tensor_mass_.visit_patches(visit);
-    nonlinear_.visit_patches(visit);
+    for_free([&](auto& region) { region.visit_patches(visit); });
     reduced_.visit_patches(visit);
     if (is_expanded_) expanded_.visit_patches(visit);
   }
@@ -236,10 +233,13 @@ class Regions {
   }
 
  private:
+  template <class Visit>
+  void for_free(Visit&& visit) {
+    std::apply([&](auto&... region) { (visit(region), ...); }, free_);
+  }
   void add_free_forces(const Mat3X<Real>& u, Mat3X<Real>& f, Parallel& parallel);
 
-  TensorMassRegion<Real> tensor_mass_;
-  NonlinearRegion<Real> nonlinear_;
+  FreeRegions<Real> free_;
   NonlinearRegion<Real> expanded_;  // the precomputed tetrahedra, if the setup is expandable
   PrecomputedRegion<Real> precomputed_;
   LatticeRegion<Real> reduced_;

@@ -12,6 +12,8 @@ namespace lobe {
 template <class Real>
 class NonlinearRegion {
  public:
+  static constexpr RegionModel model = RegionModel::nonlinear;
+
   // The stored evaluator computes SVK and fibres; other terms of the law are evaluated directly.
   explicit NonlinearRegion(Evaluator evaluator = Evaluator::direct,
                            InstructionSet set = chosen_instruction_set())

@@ -13,6 +13,11 @@
 
 namespace lobe {
 
+struct SmallestVolumeRatio {  // det F over a region
+  double smallest_volume_ratio = 1;
+  Index smallest_tet = -1;
+};
+
 struct PatchCount {  // of all evaluations
   long long evaluated = 0, skipped = 0;
 };

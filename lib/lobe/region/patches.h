@@ -34,10 +34,7 @@ class Patches {
     visit(layout_, sums_);
   }
 
-  struct Stiffness {
-    double smallest_volume_ratio = 1;  // of det F over the region
-    Index smallest_tet = -1;
-  };
+  using Stiffness = SmallestVolumeRatio;
   Stiffness add_diagonal_stiffness(const Mat3X<Real>& u, DiagonalStiffness& K, Parallel& parallel);  // at u
 
  private:

@@ -223,13 +223,14 @@ double TensorMassRegion<Real>::energy(const Mat3X<Real>& u) {
 }
 
 template <class Real>
-void TensorMassRegion<Real>::add_diagonal_stiffness(const Mat3X<Real>& u, DiagonalStiffness& K,
-                                                    Parallel& parallel) {
+SmallestVolumeRatio TensorMassRegion<Real>::add_diagonal_stiffness(const Mat3X<Real>& u, DiagonalStiffness& K,
+                                                                   Parallel& parallel) {
   smoothed_.add_diagonal_stiffness(u, K, parallel);
   for_edges([&](Index i, Index j, const Mat3<double>& B) {
     K.col(i) -= Eigen::Matrix<double, 6, 1>(B(0, 0), B(0, 1), B(0, 2), B(1, 1), B(1, 2), B(2, 2));
     K.col(j) -= Eigen::Matrix<double, 6, 1>(B(0, 0), B(1, 0), B(2, 0), B(1, 1), B(2, 1), B(2, 2));
   });
+  return {};
 }
 
 template class TensorMassRegion<float>;

@@ -17,6 +17,8 @@ namespace lobe {
 template <class Real>
 class TensorMassRegion {
  public:
+  static constexpr RegionModel model = RegionModel::tensor_mass;
+
   explicit TensorMassRegion(InstructionSet set = chosen_instruction_set())
       : kernels_(wide_kernels<Real>(set)), smoothed_(set, Strain::small) {}
 
@@ -35,7 +37,8 @@ class TensorMassRegion {
     smoothed_.visit_patches(visit);
   }
   double energy(const Mat3X<Real>& u);  // [J]
-  void add_diagonal_stiffness(const Mat3X<Real>& u, DiagonalStiffness& K, Parallel& parallel);
+  // No det F is of interest.
+  SmallestVolumeRatio add_diagonal_stiffness(const Mat3X<Real>& u, DiagonalStiffness& K, Parallel& parallel);
 
  private:
   using Layout = PatchLayout<2>;

@@ -152,6 +152,17 @@ void add_tensor_mass(std::vector<Kernel>& kernels, const SpecimenPointer& specim
                    bytes / specimen->setup.mesh.tet_count(), specimen->linear);
 }
 
+template <class Real>
+void add_corotational(std::vector<Kernel>& kernels, const SpecimenPointer& specimen,
+                      const std::vector<int>& threads) {
+  Elements elements(specimen->setup);
+  std::fill(elements.region_of.begin(), elements.region_of.end(), RegionModel::corotational);
+  const auto region = std::make_shared<CorotationalRegion<Real>>();
+  region->follow(elements, everything(elements));
+  add_region<Real>(kernels, "corotational", specimen, threads, region, block_bytes<Real>,
+                   specimen->corotational);
+}
+
 // A whole step of a World, which moves it by almost nothing. From rest, the force is mass × v / Δt; that on
 // held vertices does not show and is left out.
 template <class Real>
@@ -262,7 +273,7 @@ Specimen::Specimen(std::string mesh_name, const Setup& body) : mesh(std::move(me
   setup.ramp = 0;  // held where the displacement has them
   reference = reference_tets(setup);
   svk = linear = svk_nodal_pressure = svk_smoothed = svk_smoothed_pressure = neo_hookean = yeoh =
-      Mat3X<double>::Zero(3, n);
+      corotational = Mat3X<double>::Zero(3, n);
   add_reference_forces(reference, u, svk);
   add_reference_linear_forces(reference, u, linear);
   add_reference_nodal_pressure_forces(reference, u, svk_nodal_pressure);
@@ -274,6 +285,7 @@ Specimen::Specimen(std::string mesh_name, const Setup& body) : mesh(std::move(me
   add_reference_fibre_forces(reference, u, fibre_moduli, fibre_direction, svk_fibre);
   add_reference_neo_hookean_forces(reference, u, neo_hookean);
   add_reference_yeoh_forces(reference, u, yeoh_moduli, yeoh);
+  add_reference_corotational_forces(reference, u, corotational);
 }
 
 std::vector<Kernel> make_kernels(const SpecimenPointer& specimen, const std::vector<int>& threads) {
@@ -286,6 +298,8 @@ std::vector<Kernel> make_kernels(const SpecimenPointer& specimen, const std::vec
   add_other_laws<double>(kernels, specimen, threads);
   add_tensor_mass<float>(kernels, specimen, threads);
   add_tensor_mass<double>(kernels, specimen, threads);
+  add_corotational<float>(kernels, specimen, threads);
+  add_corotational<double>(kernels, specimen, threads);
   add_step<float>(kernels, specimen, threads);
   add_step<double>(kernels, specimen, threads);
   for (Kernel& kernel : kernels) kernel.flops_per_tet = flops_per_tet(kernel);

@@ -38,7 +38,7 @@ struct Specimen {
   std::vector<ReferenceTet> reference;
   // Forces by the reference kernel [N].
   Mat3X<double> svk, linear, svk_volume, svk_nodal_pressure, svk_smoothed, svk_smoothed_pressure, svk_fibre,
-      neo_hookean, yeoh;
+      neo_hookean, yeoh, corotational;
 };
 
 // Of svk_fibre: one direction everywhere.

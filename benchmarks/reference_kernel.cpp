@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
+#include <Eigen/SVD>
 #include <cmath>
 #include <map>
 #include <utility>
@@ -172,6 +173,20 @@ void add_reference_yeoh_forces(const std::vector<ReferenceTet>& tets, const Mat3
     const double slope = tet.mu / 2 + 2 * c[0] * q + 3 * c[1] * q * q, K = tet.lambda + 2 * tet.mu / 3;
     const Mat3<double> P = 2 * slope * phi * (F - I1 / 3 * inverse) + K * (J - 1) * J * inverse;
     const Mat34<double> g = tet.V * P * tet.alpha;
+    for (int j = 0; j < 4; ++j) f.col(tet.corners[j]) -= g.col(j);
+  }
+}
+
+void add_reference_corotational_forces(const std::vector<ReferenceTet>& tets, const Mat3X<double>& u,
+                                       Mat3X<double>& f) {
+  for (const ReferenceTet& tet : tets) {
+    const Mat3<double> F = deformation(tet, u);
+    const Eigen::JacobiSVD<Mat3<double>> svd(F, Eigen::ComputeFullU | Eigen::ComputeFullV);
+    Mat3<double> U = svd.matrixU();
+    if (F.determinant() < 0) U.col(2) = -U.col(2);
+    const Mat3<double> R = U * svd.matrixV().transpose();
+    const double trace = R.cwiseProduct(F).sum() - 3;
+    const Mat34<double> g = tet.V * (2 * tet.mu * (F - R) + tet.lambda * trace * R) * tet.alpha;
     for (int j = 0; j < 4; ++j) f.col(tet.corners[j]) -= g.col(j);
   }
 }

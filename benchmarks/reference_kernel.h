@@ -60,5 +60,8 @@ void add_reference_neo_hookean_forces(const std::vector<ReferenceTet>& tets, con
 // Yeoh's: P = 2w′ J^(−2/3) (F − I₁/3 F⁻ᵀ) + K (J − 1) J F⁻ᵀ, w′ = μ/2 + 2c₂ q + 3c₃ q². Only to check.
 void add_reference_yeoh_forces(const std::vector<ReferenceTet>& tets, const Mat3X<double>& u,
                                const std::array<double, 2>& c, Mat3X<double>& f);
+// Corotational: P = 2μ (F − R) + λ tr(RᵀF − I) R, R from a singular value decomposition. Only to check.
+void add_reference_corotational_forces(const std::vector<ReferenceTet>& tets, const Mat3X<double>& u,
+                                       Mat3X<double>& f);
 
 }  // namespace lobe::bench

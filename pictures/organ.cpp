@@ -32,9 +32,10 @@ class StyleOfFace {
 
   bool is_known() const { return region_; }
   int operator()(vtkIdType face) const {
-    const int region = std::clamp(static_cast<int>(region_->GetTuple1(face)), 0, 3);
-    if (region < 3 || !embedded_) return region;
-    return embedded_->GetTuple1(face) != 0 ? 4 : 5;
+    constexpr int models = std::size(lobe::region_model_names);
+    const int region = std::clamp(static_cast<int>(region_->GetTuple1(face)), 0, models - 1);
+    if (region != int(lobe::RegionModel::reduced) || !embedded_) return region;
+    return embedded_->GetTuple1(face) != 0 ? models : models + 1;
   }
 
  private:
@@ -152,6 +153,7 @@ const RegionStyles& region_styles() {
                                        {lobe::region_model_names[1], {0.40, 0.62, 0.50}},
                                        {lobe::region_model_names[2], {0.66, 0.23, 0.18}},
                                        {lobe::region_model_names[3], {0.80, 0.55, 0.30}},
+                                       {lobe::region_model_names[4], {0.55, 0.42, 0.68}},
                                        {"reduced, on its lattice", {0.80, 0.55, 0.30}},
                                        {"reduced, full now", {0.80, 0.36, 0.42}}}};
   return styles;

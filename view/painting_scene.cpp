@@ -13,9 +13,11 @@
 namespace lobe::view {
 namespace {
 
-constexpr RegionModel models[] = {RegionModel::tensor_mass, RegionModel::precomputed, RegionModel::nonlinear,
-                                  RegionModel::reduced};
-static_assert(std::size(models) == region_model_names.size());
+constexpr auto models = [] {
+  std::array<RegionModel, region_model_names.size()> all{};
+  for (std::size_t i = 0; i < all.size(); ++i) all[i] = RegionModel(i);
+  return all;
+}();
 
 }  // namespace
 

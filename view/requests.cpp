@@ -201,7 +201,8 @@ void Viewer::perform(ClientId, const request::Paint& what) {
   else if (what.as == "held" || what.as == "free")
     painting().hold(what.at, what.radius, what.as == "held");
   else
-    throw InputError("/as", "must be nonlinear, tensor-mass, precomputed, reduced, held or free");
+    throw InputError("/as",
+                     "must be nonlinear, tensor-mass, corotational, precomputed, reduced, held or free");
   repainted();
 }
 

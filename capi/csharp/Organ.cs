@@ -23,7 +23,7 @@ namespace Lobe {
     public float[] Positions = new float[0], Normals = new float[0];  // 3 per vertex
     public int[] Indices = new int[0];                                // 3 per triangle
     public byte[] Regions =
-        new byte[0];                  // per triangle: 0 tensor-mass, 1 precomputed, 2 nonlinear, 3 reduced
+        new byte[0];  // per triangle: 0 tensor-mass, 1 precomputed, 2 nonlinear, 3 reduced, 4 corotational
     public byte[] Cut = new byte[0];  // per triangle: 1 where a cut has made it
   }
 

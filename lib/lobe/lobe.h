@@ -4,7 +4,7 @@
 //   numerics/     sparse factors, dense products, highest eigenvalues
 //   fem/          the mathematics of one element, and the elements of a body
 //   setup/        the setup of a world: a body, its loads, its held vertices, its tools
-//   region/       tensor-mass and non-linear regions that share vertices
+//   region/       tensor-mass, non-linear and corotational regions that share vertices
 //   condense/     pre-computed linear regions, condensed to what they share with others
 //   lattice/      reduced regions: a lattice moves most of their vertices
 //   body/         a body, its state, its loads
@@ -51,6 +51,8 @@
 //   relinearise: to linearise a pre-computed region again about the present displacement.
 //   expand: to make a pre-computed region non-linear for a while; an expandable region is set up for
 //     that.
+//   corotational region: a region of tetrahedra of the linear law in the frame of their rotations; right for
+//     small strains however far they turn.
 //   reduced region: a region with the law of a non-linear one, whose vertices mostly follow a coarse
 //     lattice; for motion that is smooth across a cell.
 //   lattice: cubic cells over reduced regions, with nodes at their corners.

@@ -49,7 +49,8 @@ Equations::Equations(const Ranks& ranks, const Part& part, const Setup& setup)
   refuse_floating_pieces(ranks, part, elements_, is_prescribed_);
   unknowns_ =
       ranks.sum(std::int64_t(3) * part.owned - std::int64_t(is_prescribed_.leftCols(part.owned).count()));
-  const auto nonlinear = std::count(setup.region_of.begin(), setup.region_of.end(), RegionModel::nonlinear);
+  const auto nonlinear = std::count_if(setup.region_of.begin(), setup.region_of.end(),
+                                       [](RegionModel model) { return !lobe::is_linear(model); });
   is_linear_ = ranks.sum(std::int64_t(nonlinear)) == 0;
   add_loads(setup);
 }
@@ -94,7 +95,7 @@ double Equations::smallest_volume_ratio(Vec u) {
   const Mat3X<double> full = local(u);
   double ratio = 1;
   for (Index t = 0; t < elements_.topology.tet_count(); ++t) {
-    if (elements_.region_of[t] != RegionModel::nonlinear) continue;
+    if (lobe::is_linear(elements_.region_of[t])) continue;
     const Mat3<double> alpha = elements_.shape_of(t).gradients.rightCols<3>();
     const Mat3<double> F =
         Mat3<double>::Identity() + displacement_gradient(corners_of(elements_, t, full), alpha);

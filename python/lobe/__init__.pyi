@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 __version__: str
-region_models: Tuple[str, str, str, str]
+region_models: Tuple[str, str, str, str, str]
 
 _Path = Union[str, os.PathLike[str]]
 

@@ -120,7 +120,8 @@ void bind_scene(py::module_& module) {
            "of the\n"
            "file that the document names. regions: (m,) codes of models per tetrahedron (0 tensor-mass, 1 "
            "precomputed,\n"
-           "2 nonlinear, 3 reduced), in place of the document's. folder: what relative paths are relative "
+           "2 nonlinear, 3 reduced, 4 corotational), in place of the document's. folder: what relative paths "
+           "are relative "
            "to. Raises "
            "InputError\n"
            "with all faults.")
@@ -176,8 +177,8 @@ void bind_scene(py::module_& module) {
       py::arg("scene"), py::arg("folder"), py::arg("threads") = 1,
       "Plays the scene as `lobe run` does, with everything written to the folder; returns its report, a "
       "dictionary.");
-  module.attr("region_models") = py::make_tuple(region_model_names[0], region_model_names[1],
-                                                region_model_names[2], region_model_names[3]);
+  module.attr("region_models") =
+      std::apply([](auto... name) { return py::make_tuple(name...); }, region_model_names);
 }
 
 }  // namespace lobe::python

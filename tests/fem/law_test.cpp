@@ -24,7 +24,8 @@ std::vector<Terms> all_combinations() {
                           {.solid = MaterialLaw::none, .fibre = true},
                           {.fibre = true},
                           {.solid = MaterialLaw::neo_hookean},
-                          {.solid = MaterialLaw::yeoh}};
+                          {.solid = MaterialLaw::yeoh},
+                          {.solid = MaterialLaw::corotational}};
   std::vector<Terms> all;
   for (Terms terms : solids)
     for (bool volume : {false, true})
@@ -43,8 +44,10 @@ int count(const Terms& terms) {
 }
 
 std::string name(const Terms& terms) {
-  return (terms.solid == MaterialLaw::none ? ""
-                                           : law_rows[std::size_t(terms.solid)].name + std::string(" ")) +
+  const std::size_t solid = std::size_t(terms.solid);
+  return (terms.solid == MaterialLaw::none
+              ? ""
+              : std::string(solid < law_count ? law_rows[solid].name : "corotational") + " ") +
          (terms.volume ? "volume " : "") + (terms.pressure ? "pressure " : "") +
          (terms.guard ? "guard " : "") + (terms.fibre ? "fibre " : "");
 }

@@ -258,6 +258,13 @@ void add_laws(std::vector<GoldenRun>& runs) {
 }
 
 // A reduced bar that is pulled, cut by a blade and burnt.
+void add_corotational(std::vector<GoldenRun>& runs) {
+  add_golden(runs, "corotational half", box_with_tools(RegionModel::corotational), frames, frame, nothing);
+  add_golden(runs, "corotational half, blade", box_with_blade(RegionModel::corotational), frames, frame,
+             nothing);
+  add_implicit_run(runs, "implicit, corotational half", box_with_tools(RegionModel::corotational));
+}
+
 void add_reduced(std::vector<GoldenRun>& runs) {
   Setup setup = pulled_bar();
   add_golden(runs, "reduced", setup, frames, frame, nothing);
@@ -319,6 +326,7 @@ std::vector<GoldenRun> option_scenes() {
   add_blades(runs);
   add_condensing(runs);
   add_laws(runs);
+  add_corotational(runs);
   add_reduced(runs);
   add_applied(runs);
   add_contact_with_tools(runs);

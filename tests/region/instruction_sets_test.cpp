@@ -7,6 +7,7 @@
 
 #include "fibre_support.h"
 #include "lobe/error.h"
+#include "lobe/region/corotational.h"
 #include "lobe/region/nonlinear.h"
 #include "lobe/region/tensor_mass.h"
 #include "support.h"
@@ -63,7 +64,7 @@ TEST_CASE(
   }
 }
 
-TEST_CASE_TEMPLATE("every instruction set gives the same bits with stored terms and with tensor-mass", Real,
+TEST_CASE_TEMPLATE("every instruction set gives the same bits with stored terms, tensor-mass and corotational", Real,
                    float, double) {
   const TetMesh mesh = irregular_box(4);
   check_nonlinear<Real>(setup_of(mesh), Evaluator::stored);
@@ -73,6 +74,8 @@ TEST_CASE_TEMPLATE("every instruction set gives the same bits with stored terms 
   for (const Setup& setup : {setup_of(mesh, RegionModel::tensor_mass),
                              smoothed(setup_of(mesh, RegionModel::tensor_mass)), fibrous})
     check_same_bits<Real>(setup, [](InstructionSet set) { return TensorMassRegion<Real>(set); });
+  check_same_bits<Real>(setup_of(mesh, RegionModel::corotational),
+                        [](InstructionSet set) { return CorotationalRegion<Real>(set); });
 }
 
 TEST_CASE("every instruction set gives the same bits with fibres and of every other law") {

@@ -26,6 +26,9 @@ void ask_for(Setup& setup, Option option) {
     case Option::tensor_mass:
       std::fill_n(setup.region_of.begin(), half, RegionModel::tensor_mass);
       break;
+    case Option::corotational:
+      std::fill_n(setup.region_of.begin(), half, RegionModel::corotational);
+      break;
     case Option::expandable:
       setup.expandable = true;
       break;

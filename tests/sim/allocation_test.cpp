@@ -82,6 +82,8 @@ std::vector<std::pair<std::string, Setup>> all_kinds() {
     s.gravity.setZero();
   });
   add("expandable", precomputed, [](Setup& s) { s.expandable = true; });
+  add("corotational", hybrid_setup(mesh),
+      [](Setup& s) { s.region_of.assign(s.region_of.size(), RegionModel::corotational); });
   add("neo-Hookean", neo_hookean_setup(mesh), [](Setup&) {});
   add("fibres", fibrous_setup(mesh), [](Setup&) {});
   add("smoothed edges", smoothed(averaged(setup_of(mesh))), [](Setup&) {});

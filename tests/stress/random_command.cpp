@@ -119,7 +119,7 @@ std::vector<Index> any_of(Dice& dice, Index count, int most) {
 }
 
 Command set_region(Dice& dice, Index tets) {
-  SetRegion command{{}, RegionModel(dice.among(0, 3))};
+  SetRegion command{{}, RegionModel(dice.below(Index(region_model_names.size())))};
   if (dice.says(0.7)) command.model = dice.says(0.5) ? RegionModel::nonlinear : RegionModel::tensor_mass;
   const Index first = dice.below(tets), end = std::min(tets, first + dice.among(1, 40));
   for (Index t = first; t < end; ++t) command.tets.push_back(t);

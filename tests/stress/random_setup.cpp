@@ -30,9 +30,11 @@ void choose_materials(Dice& dice, Setup& setup) {
   setup.mesh.fibres = Vec3d(1, 0.2, 0).normalized().replicate(1, setup.mesh.tet_count());
 }
 
+RegionModel random_model(Dice& dice) { return RegionModel(dice.below(Index(region_model_names.size()))); }
+
 void choose_regions(Dice& dice, double size, Setup& setup) {
-  const RegionModel left = RegionModel(dice.among(0, 3)),
-                    right = dice.says(0.4) ? RegionModel::nonlinear : RegionModel(dice.among(0, 3));
+  const RegionModel left = random_model(dice),
+                    right = dice.says(0.4) ? RegionModel::nonlinear : random_model(dice);
   for (Index t = 0; t < setup.mesh.tet_count(); ++t)
     setup.region_of.push_back(barycentre(setup.mesh, t).x() < size / 2 ? left : right);
   if (dice.says(0.3)) setup.precomputed_frame = RegionFrame::corotated;

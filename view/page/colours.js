@@ -11,6 +11,7 @@ export const models = [
   },
   {key: 'nonlinear', name: 'Non-linear', note: 'right where tissue turns', colour: [0.66, 0.23, 0.18]},
   {key: 'reduced', name: 'Reduced', note: 'non-linear, coarse where smooth', colour: [0.8, 0.55, 0.3]},
+  {key: 'corotational', name: 'Corotational', note: 'linear, but may turn', colour: [0.55, 0.42, 0.68]},
 ];
 /** Of materials, by their number. */
 export const materialColours = [

@@ -47,7 +47,7 @@ export class Organ {
     this.dress();
     this.range = [0, 1];
     this.cutCount = 0;
-    this.shares = [0, 0, 0, 0];
+    this.shares = models.map(() => 0);
   }
 
   /** In the look that the stage wants: a light that casts no shadow gets one that is the organ laid flat. */
@@ -76,7 +76,7 @@ export class Organ {
     this.topology = this.composed();
     this.revision = topology.revision;
     this.cutCount = topology.cut.reduce((sum, c) => sum + c, 0);
-    this.shares = [0, 0, 0, 0];
+    this.shares = models.map(() => 0);
     for (const r of topology.region) this.shares[r] += 1 / topology.region.length;
     this.scalar = null;
     this.fibres.set(fibres, topology);

@@ -12,10 +12,16 @@
 
 namespace lobe {
 
-enum class RegionModel : std::uint8_t { tensor_mass = 0, precomputed = 1, nonlinear = 2, reduced = 3 };
+enum class RegionModel : std::uint8_t {
+  tensor_mass = 0,
+  precomputed = 1,
+  nonlinear = 2,
+  reduced = 3,
+  corotational = 4
+};
 // As scenes and reports name them.
-inline constexpr std::array<const char*, 4> region_model_names{"tensor-mass", "precomputed", "nonlinear",
-                                                               "reduced"};
+inline constexpr std::array<const char*, 5> region_model_names{"tensor-mass", "precomputed", "nonlinear",
+                                                               "reduced", "corotational"};
 inline const char* name(RegionModel model) { return region_model_names[std::size_t(model)]; }
 // Whether tetrahedra of this model follow the linear law.
 inline constexpr bool is_linear(RegionModel model) {

@@ -1,9 +1,9 @@
 // The law of a tetrahedron of the non-linear model: its energy is the sum of a solid's (svk.h, neo_hookean.h,
-// yeoh.h) and of the terms of fibre_term.h, volume_term.h, pressure_term.h and guard.h. All code that
-// evaluates such tetrahedra calls the functions below: wide kernels, energies, the solvers' tangent, the time
-// step, the estimate of linear regions' errors. A new solid is a struct of formulas (solid.h) in `Solids`,
-// and a row in law_moduli.h. The order in which a function sums the terms up decides the last bits of
-// results.
+// yeoh.h, corotational.h) and of the terms of fibre_term.h, volume_term.h, pressure_term.h and guard.h. All
+// code that evaluates such tetrahedra calls the functions below: wide kernels, energies, the solvers'
+// tangent, the time step, the estimate of linear regions' errors. A new solid is a struct of formulas
+// (solid.h) in `Solids`, and a row in law_moduli.h. The order in which a function sums the terms up decides
+// the last bits of results.
 //
 // Only the given terms are evaluated. If `terms` are constants, as in kernels, the other terms are not even
 // compiled.
@@ -13,6 +13,7 @@
 #include <tuple>
 #include <utility>
 
+#include "lobe/fem/corotational.h"
 #include "lobe/fem/fibre_term.h"
 #include "lobe/fem/guard.h"
 #include "lobe/fem/hooke.h"
@@ -26,25 +27,15 @@
 
 namespace lobe {
 
-using Solids = std::tuple<Svk, NeoHookean, Yeoh>;  // in the order of MaterialLaw
-static_assert(std::tuple_size_v<Solids> == law_count);
+using Solids = std::tuple<Svk, NeoHookean, Yeoh, Corotational>;  // in the order of MaterialLaw
+static_assert(std::tuple_size_v<Solids> == solid_count);
 
 // Calls visit(solid) with the formulas of a law; not for `none`. Always inline, as are the functions that it
 // is given: a kernel, whose law is a constant, then has no other.
 template <int i = 0, class Visit>
 LOBE_INLINE constexpr void with_solid(MaterialLaw law, const Visit& visit) {
   if (law == MaterialLaw(i)) return visit(std::tuple_element_t<i, Solids>{});
-  if constexpr (i + 1 < law_count) with_solid<i + 1>(law, visit);
-}
-
-inline bool any_of(bool lane) { return lane; }  // as for packs of numbers
-
-template <class T>
-Mat3<T> cross_matrix(const Vec3<T>& a)  // a × …
-{
-  Mat3<T> A;
-  A << T(0), -a.z(), a.y(), a.z(), T(0), -a.x(), -a.y(), a.x(), T(0);
-  return A;
+  if constexpr (i + 1 < solid_count) with_solid<i + 1>(law, visit);
 }
 
 template <class T>
@@ -113,6 +104,7 @@ inline Mat3<T> law_diagonal_block(const Law<T>& law, const Mat3<T>& H, const Vec
 //   functions of I₁ = tr FᵀF    (α_j·α_k) 2W′ I + 4W″ a_j⊗a_k,  a_j = F α_j
 //   functions of I₁ and J       2 ∂²W/∂I₁∂J (a_j⊗g_k + g_j⊗a_k)
 //   functions ψ of J = det F    ψ″ g_j⊗g_k + ψ′ ∂g_j/∂x_k,  g_j = cof(F) α_j,  ∂g_j/∂x_k w = w × F(α_j × α_k)
+//   of the rotation R           blocks of corotational.h
 template <class T>
 Eigen::Matrix<T, 12, 12> law_stiffness(const Law<T>& law, const Mat3<T>& H,
                                        const Mat34<T>& alpha)  // of the four corners [1/m] → [Pa/m²]
@@ -149,6 +141,9 @@ Eigen::Matrix<T, 12, 12> law_stiffness(const Law<T>& law, const Mat3<T>& H,
                sum.psi.value().slope * cross_matrix(turned);
       K.template block<3, 3>(3 * j, 3 * k) = block;
     }
+  with_solid(law.terms.solid, [&](auto solid) LOBE_INLINE {
+    if constexpr (requires { solid.add_stiffness(H, law, alpha, K); }) solid.add_stiffness(H, law, alpha, K);
+  });
   return K;
 }
 

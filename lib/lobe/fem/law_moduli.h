@@ -33,16 +33,17 @@ struct FibreModuli {
       std::tuple(&FibreModuli::coupling, &FibreModuli::shear, &FibreModuli::stretch);
 };
 
-// The laws of the non-linear model. `none`: a sum of other terms alone. A new law has a row here, and a
-// struct of formulas in law.h.
-enum class MaterialLaw : std::uint8_t { svk, neo_hookean, yeoh, none };
+// The laws of the non-linear model. A new one has a row here, and a struct of formulas in law.h. Then that of
+// corotational regions, which no material names; and `none`, a sum of other terms alone.
+enum class MaterialLaw : std::uint8_t { svk, neo_hookean, yeoh, corotational, none };
 struct LawRow {
   const char* name;                 // as scenes say it
   std::array<const char*, 2> keys;  // of its moduli beside λ and μ [Pa], in scenes; null: it has fewer
 };
 inline constexpr LawRow law_rows[] = {{"svk", {}}, {"neo-hookean", {}}, {"yeoh", {"yeoh_c2", "yeoh_c3"}}};
 inline constexpr int law_count = std::size(law_rows);
-static_assert(law_count == int(MaterialLaw::none));
+static_assert(law_count == int(MaterialLaw::corotational));
+inline constexpr int solid_count = int(MaterialLaw::none);
 
 struct Terms {
   MaterialLaw solid = MaterialLaw::svk;

@@ -6,6 +6,16 @@
 
 namespace lobe {
 
+// The law of corotational tetrahedra of a material: with all of λ, and no other term.
+inline Law<double> corotational_law(const Elastic& elastic) {
+  return {.lambda = elastic.lambda,
+          .mu = elastic.mu,
+          .kappa = 0,
+          .pressure = 0,
+          .guard_modulus = 0,
+          .guard_threshold = 0,
+          .terms = {.solid = MaterialLaw::corotational}};
+}
 // The law of non-linear tetrahedra of a material, without the direction of a fibre.
 inline Law<double> nonlinear_law(const Elastic& elastic, double volume_penalty, double guard_below,
                                  double pressure = 0) {  // p_T, the mean of its nodes' [Pa]
@@ -23,7 +33,9 @@ inline Law<double> nonlinear_law(const Elastic& elastic, double volume_penalty, 
           .fibre = elastic.fibre,
           .further = elastic.further};
 }
+// That of a tetrahedron whose model is not linear.
 inline Law<double> nonlinear_law(const Elements& elements, Index tet, double pressure = 0) {
+  if (elements.region_of[tet] == RegionModel::corotational) return corotational_law(elements.elastic_of(tet));
   Law<double> law =
       nonlinear_law(elements.elastic_of(tet), elements.volume_penalty, elements.guard_below, pressure);
   law.direction = elements.fibre_of(tet);
@@ -39,6 +51,11 @@ inline Law<double> unsmoothed_law(const Elastic& elastic, double volume_penalty,
   law.further = {};
   law.terms = {.solid = MaterialLaw::none, .volume = law.terms.volume, .guard = law.terms.guard};
   return law;
+}
+// The same of a material in a region of any model that is evaluated tetrahedron by tetrahedron.
+inline Law<double> unsmoothed_law(const Elements& elements, const Elastic& elastic, RegionModel model) {
+  if (model == RegionModel::corotational) return corotational_law(elastic);
+  return unsmoothed_law(elastic, elements.volume_penalty, elements.guard_below);
 }
 inline Law<double> unsmoothed_law(const Elements& elements, Index tet, double pressure = 0) {
   if (!elements.elastic_of(tet).is_smoothed()) return nonlinear_law(elements, tet, pressure);

@@ -4,6 +4,7 @@
 //   energy_density, stress          W/V [J/m³], P [Pa]
 //   diagonal_block                  ∂²W/∂u_j² / V of a corner with gradient α [Pa/m²]
 //   add_second_order                adds what law_stiffness() needs
+//   add_stiffness                   adds ∂²W/∂u_j∂u_k / V, if that has another form
 //   fault                           says which moduli make no solid; empty: they do
 // With in_green_strain also second_stress, S [Pa], and green_block, B_jk [Pa/m²].
 #pragma once
@@ -15,6 +16,14 @@
 #define LOBE_INLINE __attribute__((always_inline))
 
 namespace lobe {
+
+template <class T>
+Mat3<T> cross_matrix(const Vec3<T>& a)  // a × …
+{
+  Mat3<T> A;
+  A << T(0), -a.z(), a.y(), a.z(), T(0), -a.x(), -a.y(), a.x(), T(0);
+  return A;
+}
 
 // A sum that begins with the first term. To add it to 0 would cost time and change the sign of a zero.
 template <class Value>

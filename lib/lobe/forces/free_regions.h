@@ -6,6 +6,7 @@
 #include <concepts>
 #include <tuple>
 
+#include "lobe/region/corotational.h"
 #include "lobe/region/nonlinear.h"
 #include "lobe/region/tensor_mass.h"
 
@@ -33,11 +34,12 @@ template <class Real, FreeRegion<Real>... Region>
 using ListOfRegions = std::tuple<Region...>;
 
 template <class Real>
-using FreeRegions = ListOfRegions<Real, TensorMassRegion<Real>, NonlinearRegion<Real>>;
+using FreeRegions =
+    ListOfRegions<Real, TensorMassRegion<Real>, NonlinearRegion<Real>, CorotationalRegion<Real>>;
 
 template <class Real>
 FreeRegions<Real> free_regions(Evaluator of_nonlinear) {
-  return {TensorMassRegion<Real>(), NonlinearRegion<Real>(of_nonlinear)};
+  return {TensorMassRegion<Real>(), NonlinearRegion<Real>(of_nonlinear), CorotationalRegion<Real>()};
 }
 
 }  // namespace lobe

@@ -21,6 +21,7 @@ inline constexpr Terms compiled_terms[] = {{},
                                            {.solid = MaterialLaw::neo_hookean, .volume = true},
                                            {.solid = MaterialLaw::yeoh},
                                            {.solid = MaterialLaw::yeoh, .volume = true},
+                                           {.solid = MaterialLaw::corotational},
                                            {.volume = true, .pressure = true}};
 
 // Whether a kernel for these terms can evaluate the law: it is one of the same solid, with at least its other

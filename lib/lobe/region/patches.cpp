@@ -11,15 +11,7 @@ namespace lobe {
 template <class Real>
 void Patches<Real>::follow(const Elements& elements, const std::vector<Index>& leave,
                            const std::vector<Index>& enter, RegionModel model) {
-  nodal_pressure_ = std::any_of(elements.materials.begin(), elements.materials.end(),
-                                [](const Elastic& e) { return e.nodal_lambda() > 0 && !e.is_smoothed(); });
-  fibres_ = any_fibre(elements.materials);
-  laws_.clear();
-  for (const Elastic& elastic : elements.materials) {
-    laws_.push_back(unsmoothed_law(elastic, elements.volume_penalty, elements.guard_below));
-    laws_.back().terms.pressure = nodal_pressure_ && !elastic.is_smoothed();
-    lobe_assert(is_covered(laws_.back().terms), "no kernel is compiled for the law of a material");
-  }
+  set_laws(elements, model);
   const std::vector<Layout::Item> items = items_of(model, elements, enter);
   if (items.empty() && tet_count() == 0) return;  // without tetrahedra no memory is needed
   layout_.resize(elements.topology.vertex_count(), elements.topology.tet_count());
@@ -39,6 +31,25 @@ void Patches<Real>::follow(const Elements& elements, const std::vector<Index>& l
     slopes_.resize(3, 4 * Eigen::Index(elements.topology.tet_count()));
   }
   for (const Layout::Item& item : items) write(elements, item);
+}
+
+template <class Real>
+void Patches<Real>::set_laws(const Elements& elements, RegionModel model) {
+  laws_.clear();
+  for (const Elastic& elastic : elements.materials) laws_.push_back(unsmoothed_law(elements, elastic, model));
+  const auto is_averaged = [&](std::size_t material) {  // or would be, if its share were not 0
+    return laws_[material].terms.solid != MaterialLaw::corotational &&
+           !elements.materials[material].is_smoothed();
+  };
+  nodal_pressure_ = fibres_ = false;
+  for (std::size_t i = 0; i < laws_.size(); ++i) {
+    nodal_pressure_ = nodal_pressure_ || (is_averaged(i) && elements.materials[i].nodal_lambda() > 0);
+    fibres_ = fibres_ || laws_[i].terms.fibre;
+  }
+  for (std::size_t i = 0; i < laws_.size(); ++i) {
+    laws_[i].terms.pressure = nodal_pressure_ && is_averaged(i);
+    lobe_assert(is_covered(laws_[i].terms), "no kernel is compiled for the law of a material");
+  }
 }
 
 template <class Real>

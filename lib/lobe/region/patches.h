@@ -45,6 +45,7 @@ class Patches {
   using LocalVectors = typename PatchSums<Real>::LocalVectors;
   static constexpr int width = Block::width, patch_blocks = Layout::capacity / width;
 
+  void set_laws(const Elements& elements, RegionModel model);
   PatchArrays<Real> arrays(Index p, const LocalVectors& u) const;
   template <class Visit>
   void for_lanes(Index p, const Mat3X<Real>& u, Visit&& visit);

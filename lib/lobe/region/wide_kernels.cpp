@@ -129,7 +129,7 @@ LOBE_FLATTEN Real add_stiffness_of(const PatchArrays<Real>& patch, Real* sums) {
 // Of laws other than St Venant-Kirchhoff, which have neither fibres nor nodal pressure.
 template <class Real, StiffnessPart part, int law = 1 + int(MaterialLaw::svk)>
 Real add_stiffness_of_other(const PatchArrays<Real>& patch, Real* sums) {
-  if constexpr (law + 1 < law_count)
+  if constexpr (law + 1 < solid_count)
     if (patch.law.terms.solid != MaterialLaw(law))
       return add_stiffness_of_other<Real, part, law + 1>(patch, sums);
   return add_stiffness_of<Real, part, Terms{.solid = MaterialLaw(law)}>(patch, sums);

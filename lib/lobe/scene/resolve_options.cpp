@@ -43,14 +43,11 @@ std::vector<std::string> places_of(const Scene& scene, Option option) {
   const Time& time = scene.time;
   switch (option) {
     case Option::tensor_mass:
-      return places_in(scene.regions, "/regions", "model",
-                       [](const Region& region) { return region.model == RegionModel::tensor_mass; });
     case Option::precomputed:
-      return places_in(scene.regions, "/regions", "model",
-                       [](const Region& region) { return region.model == RegionModel::precomputed; });
     case Option::reduced:
+    case Option::corotational:
       return places_in(scene.regions, "/regions", "model",
-                       [](const Region& region) { return region.model == RegionModel::reduced; });
+                       [&](const Region& region) { return option_of(region.model) == option; });
     case Option::fibres:
       return places_in(scene.materials, "/materials", "fibre",
                        [](const Material& material) { return material.transverse.has_value(); });

@@ -21,6 +21,10 @@ constexpr Exclusion table[] = {
      "use \"direct\""},
     {Option::edge_smoothed, Option::stored, "the stored polynomial is of each tetrahedron alone",
      "use \"direct\""},
+    {Option::edge_smoothed, Option::corotational, "a corotational region is of plain tetrahedra",
+     "use \"nonlinear\""},
+    {Option::corotational, Option::fibres, "its energy is that of a material alike in all directions",
+     "use \"nonlinear\""},
     {Option::edge_smoothed, Option::reduced, "a cell of the lattice has the energy of plain tetrahedra",
      "use \"nonlinear\""},
     {Option::partly_held, Option::precomputed, "a precomputed region knows wholly held vertices only",
@@ -70,6 +74,8 @@ const char* name(Option option) {
   switch (option) {
     case Option::tensor_mass:
       return "\"model\": \"tensor-mass\"";
+    case Option::corotational:
+      return "\"model\": \"corotational\"";
     case Option::precomputed:
       return "\"model\": \"precomputed\"";
     case Option::corotated:
@@ -121,6 +127,7 @@ std::optional<Option> option_of(RegionModel model) {
   if (model == RegionModel::tensor_mass) return Option::tensor_mass;
   if (model == RegionModel::precomputed) return Option::precomputed;
   if (model == RegionModel::reduced) return Option::reduced;
+  if (model == RegionModel::corotational) return Option::corotational;
   return std::nullopt;
 }
 

@@ -34,6 +34,7 @@ enum class Option : std::uint8_t {
   single_precision,
   static_solution,
   tensor_mass,
+  corotational,
   edge_smoothed,
   partly_held  // Setup::partly_held, GraspSetup::shares
 };

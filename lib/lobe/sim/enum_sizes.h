@@ -9,7 +9,7 @@
 namespace lobe::io {
 
 template <>
-inline constexpr int enum_size<RegionModel> = 1 + int(RegionModel::reduced);
+inline constexpr int enum_size<RegionModel> = int(region_model_names.size());
 template <>
 inline constexpr int enum_size<RigidShape::Kind> = 1 + int(RigidShape::Kind::mesh);
 template <>

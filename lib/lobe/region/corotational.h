@@ -1,0 +1,39 @@
+// The corotational region: tetrahedra of the linear law in the frame of their rotations (fem/corotational.h).
+// They are right where tissue turns far and is strained little. They are evaluated in patches, as non-linear
+// ones are.
+#pragma once
+
+#include "lobe/region/patches.h"
+
+namespace lobe {
+
+template <class Real>
+class CorotationalRegion {
+ public:
+  static constexpr RegionModel model = RegionModel::corotational;
+
+  explicit CorotationalRegion(InstructionSet set = chosen_instruction_set()) : elements_(set) {}
+
+  void follow(const Elements& elements, const RegionEdit& edit) {
+    elements_.follow(elements, edit.left, edit.entered, model);
+  }
+  Index tet_count() const { return elements_.tet_count(); }
+  void add_forces(const Mat3X<Real>& u,  // 3 × #vertices [m]
+                  Mat3X<Real>& f,        // 3 × #vertices [N]
+                  Parallel& parallel) {
+    if (tet_count() > 0) elements_.add_forces(u, f, ElementPart::all, parallel);
+  }
+  template <class Visit>  // visit(layout, sums)
+  void visit_patches(Visit&& visit) {
+    elements_.visit_patches(visit);
+  }
+  double energy(const Mat3X<Real>& u) { return elements_.energy(u); }  // [J]
+  SmallestVolumeRatio add_diagonal_stiffness(const Mat3X<Real>& u, DiagonalStiffness& K, Parallel& parallel) {
+    return elements_.add_diagonal_stiffness(u, K, parallel);
+  }
+
+ private:
+  Patches<Real> elements_;
+};
+
+}  // namespace lobe

@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
+#include <map>
 
 #include "joined_meshes.h"
 #include "lobe/error.h"
@@ -103,7 +104,74 @@ Setup two_blocks() {
   return setup;
 }
 
+// A block of soft tissue, held at x = 0; with a slit at x = 20 mm from above to half of its depth, or without.
+Setup slit_block(bool has_slit) {
+  TetMesh mesh = box_mesh({0.04, 0.04, 0.02}, 12, 6, 6);
+  if (has_slit) {
+    std::map<Index, Index> copies;
+    const Index before = mesh.vertex_count();
+    for (Index v = 0; v < before; ++v)
+      if (std::abs(mesh.points(0, v) - 0.02) < 1e-9 && mesh.points(2, v) > 0.01 + 1e-9)
+        copies.emplace(v, before + Index(copies.size()));
+    mesh.points.conservativeResize(3, before + Index(copies.size()));
+    for (const auto& [v, copy] : copies) mesh.points.col(copy) = mesh.points.col(v);
+    for (Index t = 0; t < mesh.tet_count(); ++t) {
+      if (barycentre(mesh, t).x() < 0.02) continue;
+      for (Index& v : mesh.tets.col(t))
+        if (const auto copy = copies.find(v); copy != copies.end()) v = copy->second;
+    }
+  }
+  Setup setup = setup_of(mesh);
+  setup.materials = {soft};
+  setup.damping = 60;
+  setup.contact.self = has_slit;
+  for (Index v = 0; v < mesh.vertex_count(); ++v)
+    if (mesh.points(0, v) == 0) setup.prescribed.push_back({v});
+  return setup;
+}
+
+// Of a pull on the face at x = 40 mm [N], in equal parts on its vertices.
+SetForces pull_at_end(const Setup& setup, double force) {
+  SetForces pull;
+  for (Index v = 0; v < setup.mesh.vertex_count(); ++v)
+    if (setup.mesh.points(0, v) > 0.04 - 1e-9) pull.forces.push_back({v, {force, 0, 0}});
+  for (VertexLoad& load : pull.forces) load.force /= double(pull.forces.size());
+  return pull;
+}
+
+double mean_end(World<double>& world, const Setup& setup) {  // how far that face has moved [m]
+  double sum = 0;
+  const SetForces pull = pull_at_end(setup, 1);
+  for (const VertexLoad& load : pull.forces) sum += world.displacements()(0, load.vertex);
+  return sum / double(pull.forces.size());
+}
+
 }  // namespace
+
+TEST_CASE("a slit that three stitches close is as stiff as a block without one, under a small load") {
+  const double load = 20 * 0.04 * 0.02;  // [N], 20 Pa
+  const Setup whole = slit_block(false), open = slit_block(true);
+  double longer[3];
+  for (int i = 0; i < 3; ++i) {
+    Setup setup = i == 0 ? whole : open;
+    if (i == 2)
+      for (const double y : {0.04 / 6, 0.02, 0.2 / 6}) {
+        setup.stitches.push_back(stitch(
+            setup, {{0.0143, y, 0.0199}, {0.0143, y, 0.014}, {0.0257, y, 0.014}, {0.0257, y, 0.0199}}));
+        setup.stitches.back().ties = {{0, 3, 0, 0.002, 0.4}};
+      }
+    World<double> world(setup);
+    run(world, 1.2);
+    const double before = mean_end(world, setup);
+    world.apply(pull_at_end(setup, load));
+    run(world, 0.8);
+    longer[i] = mean_end(world, setup) - before;
+  }
+  MESSAGE("longer by ", longer[0] * 1e3, " mm, open ", longer[1] / longer[0], ", sewn ",
+          longer[2] / longer[0]);
+  CHECK(longer[1] > 1.5 * longer[0]);
+  CHECK(longer[2] == near(longer[0], 0.05));
+}
 
 TEST_CASE("a weight on a thread between two bites pulls with T = W / (2 sin alpha)") {
   // A cube hangs below a plate that is held.

@@ -41,13 +41,8 @@ class DomainVectors {
   alignas(64) Real vectors_[256][4 * width];  // one byte numbers a vertex
 };
 
-template <Strain strain, class T>
-Mat3<T> stress_of(const Law<T>& law, const Mat3<T>& H) {
-  if constexpr (strain == Strain::small) return linear_stress(law, H);
-  return law_stress(law, H);
-}
-
-// The kernels are flattened (LOBE_FLATTEN): all formulas inline, however often they are used elsewhere.
+// The kernels are flattened (LOBE_FLATTEN): all formulas inline, however often they are used elsewhere. Clang
+// does this with what they call themselves, and not with what that calls.
 template <class Real, Terms terms, Strain strain = Strain::finite>
 LOBE_FLATTEN void add_forces_of(const SmoothedArrays<Real>& patch, Real* sums) {
   using T = Pack<Real>;
@@ -57,7 +52,11 @@ LOBE_FLATTEN void add_forces_of(const SmoothedArrays<Real>& patch, Real* sums) {
     for (int first = 0; first < SmoothedBlock<Real>::width; first += Lanes::count) {
       const Law<T> law = law_of_domains<T>(patch, terms, b, first);
       const Lanes e(patch, b, first);
-      const Mat3<T> minus_VP = stress_of<strain>(law.times(-e.V), e.H);
+      Mat3<T> minus_VP;
+      if constexpr (strain == Strain::small)
+        minus_VP = linear_stress(law.times(-e.V), e.H);
+      else
+        minus_VP = law_stress(law.times(-e.V), e.H);
       Vec3<T> of_first = Vec3<T>::Constant(T(0));
       for (Index j = 1; j < e.vertices; ++j) {
         const Vec3<T> f = minus_VP.lazyProduct(e.gradient(j));

@@ -4,9 +4,11 @@
 #include <cmath>
 
 #include "lattice_support.h"
+#include "lobe/fem/hooke.h"
 #include "lobe/fem/law.h"
 #include "lobe/fem/law_of.h"
 #include "lobe/numerics/symmetric_eigen.h"
+#include "lobe/solve/tangent.h"
 
 using namespace lobe;
 using namespace lobe::test;
@@ -173,6 +175,69 @@ TEST_CASE("fluctuations are as stiff as tetrahedra are in bending, by refinement
   CHECK(coarse - exact > 3.5 * (middle - exact));
   CHECK(middle - exact > 3.5 * (fine - exact));
   CHECK(fine == near(exact, 0.1));
+}
+
+TEST_CASE(
+    "fluctuations of a single cell have the energy of its tetrahedra in nine modes, of either element") {
+  const double edge = 0.03, ratio = 4e4 / 6e4;              // λ/(λ + 2μ)
+  const double of_continuum = 1e4 / 3 * (1 + 4 * 5.0 / 6);  // the least that is taken
+  TetMesh mesh = box_mesh(Vec3d::Constant(edge), 3, 3, 3);
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> jitter(-0.002, 0.002);
+  for (Vec3d inner : {Vec3d(1, 1, 1), Vec3d(2, 1, 1), Vec3d(1, 2, 2)})
+    for (Index v = 0; v < mesh.vertex_count(); ++v)
+      if ((mesh.points.col(v) - edge / 3 * inner).norm() < 1e-9)
+        mesh.points.col(v) += Vec3d(jitter(random), jitter(random), jitter(random));
+  double found[2];
+  for (bool is_smoothed : {false, true}) {
+    const Setup body = is_smoothed ? smoothed(reduced_setup(mesh, edge)) : reduced_setup(mesh, edge);
+    const Elements elements(body);
+    const Vec3d origin = Vec3d::Zero();
+    const Lattice lattice = make_lattice(elements, {edge, origin});
+    REQUIRE(lattice.parts.size() == 1);
+    const WholeLattice whole = sum_cells(elements, lattice);
+    const double volume = whole.sums[0].volume;
+    CellMatrix S = CellMatrix::Zero();
+    Eigen::Matrix<double, 3, 8> corners;
+    for (int i = 0; i < 8; ++i) {
+      const Vec3d at(i & 1, i >> 1 & 1, i >> 2);
+      const CellGradients g = cell_gradients(
+                              at / std::sqrt(3.0) + Vec3d::Constant(0.5 - 0.5 / std::sqrt(3.0)), edge),
+                          apart = g - whole.sums[0].gradients / volume;
+      S += volume / 8 * apart * apart.transpose();
+      corners.col(i) = edge * (at - Vec3d::Constant(0.5));
+    }
+    Setup linear = body;
+    std::fill(linear.region_of.begin(), linear.region_of.end(), RegionModel::tensor_mass);
+    const Elements of_linear(linear);
+    double own = 0, of_lattice = 0;
+    for (int a = 0; a < 3; ++a)
+      for (int kind = 0; kind < 3; ++kind) {
+        const int b = (a + 1 + kind) % 3;
+        const auto mode = [&](const Mat3X<double>& X) {
+          Mat3X<double> u = Mat3X<double>::Zero(3, X.cols());
+          u.row(a) = X.row(kind == 2 ? (a + 1) % 3 : a).cwiseProduct(X.row(kind == 2 ? (a + 2) % 3 : b));
+          if (kind < 2) u.row(b) = -0.5 * (X.row(a).cwiseAbs2() + ratio * X.row(b).cwiseAbs2());
+          return u;
+        };
+        const Vec3d middle = origin + Vec3d::Constant(edge / 2);
+        const Mat3X<double> u = mode(body.mesh.points.colwise() - middle);
+        Mat3<double> mean = Mat3<double>::Zero();
+        for (Index t = 0; t < body.mesh.tet_count(); ++t) {
+          const Shape s = elements.shape_of(t);
+          const Mat34<double> at = u(Eigen::all, body.mesh.tets.col(t));
+          mean += s.volume / volume * at * s.gradients.transpose();
+        }
+        own += energy_and_forces(of_linear, u).energy - volume * hooke_energy_density<double>(mean, 4e4, 1e4);
+        const Mat3X<double> q = mode(corners);
+        of_lattice += 0.5 * (q * S).cwiseProduct(q).sum();
+      }
+    found[is_smoothed] = whole.stiffness[0];
+    MESSAGE("per μ: " << own / of_lattice / 1e4);
+    CHECK(whole.stiffness[0] == near(std::max(of_continuum, own / of_lattice), 1e-10));
+  }
+  CHECK(found[false] > 1.3 * of_continuum);
+  CHECK(found[true] < 0.9 * found[false]);
 }
 
 TEST_CASE("nodes take over all mass and its centre") {

@@ -200,26 +200,34 @@ TEST_CASE("zones that become full and are embedded again keep linear and angular
   CHECK(std::abs(change - reported) < 0.02);
 }
 
-TEST_CASE("a reduced bar bends and swings as a non-linear one") {
-  Setup setup = fine_bar();
-  setup.gravity = {0, 0, -3};
-  setup.damping = 5;
-  World<double> reduced(setup), exact(all_nonlinear(setup));
-  double largest = 0, top = 0;
-  for (int i = 0; i < 30; ++i) {
-    REQUIRE(reduced.advance(0.02).ok);
-    REQUIRE(exact.advance(0.02).ok);
-    top = std::max(top, exact.state().u.norm());
-    largest = std::max(largest, (reduced.state().u - exact.state().u).norm());
+TEST_CASE("a reduced bar bends and swings as a non-linear one, of plain and of edge-smoothed tetrahedra") {
+  for (const Setup& bar : {fine_bar(), smoothed(fine_bar())}) {
+    Setup setup = bar;
+    setup.gravity = {0, 0, -3};
+    setup.damping = 5;
+    World<double> reduced(setup), exact(all_nonlinear(setup));
+    double largest = 0, top = 0;
+    for (int i = 0; i < 30; ++i) {
+      REQUIRE(reduced.advance(0.02).ok);
+      REQUIRE(exact.advance(0.02).ok);
+      top = std::max(top, exact.state().u.norm());
+      largest = std::max(largest, (reduced.state().u - exact.state().u).norm());
+    }
+    const double tip = reduced.state().u.row(2).minCoeff() / exact.state().u.row(2).minCoeff();
+    MESSAGE("largest error " << largest / top << ", tip at the end " << tip);
+    CHECK(largest < (setup.materials[0].is_smoothed() ? 0.16 : 0.1) * top);  // its lowest modes are too quick
+    CHECK(region_of(reduced).any_embedded());
   }
-  MESSAGE("largest error " << largest / top);
-  CHECK(largest < 0.1 * top);
-  CHECK(region_of(reduced).any_embedded());
 }
 
-TEST_CASE("a reduced region shares vertices with any other") {
-  for (RegionModel other : {RegionModel::nonlinear, RegionModel::tensor_mass, RegionModel::precomputed}) {
-    Setup setup = bar(16, 4);
+TEST_CASE("a reduced region shares vertices with any other, of plain and of edge-smoothed tetrahedra") {
+  for (const auto& [other, is_smoothed] : {std::pair{RegionModel::nonlinear, false},
+                                           {RegionModel::tensor_mass, false},
+                                           {RegionModel::precomputed, false},
+                                           {RegionModel::nonlinear, true},
+                                           {RegionModel::tensor_mass, true},
+                                           {RegionModel::precomputed, true}}) {
+    Setup setup = is_smoothed ? smoothed(bar(16, 4)) : bar(16, 4);
     setup.gravity = {0, 0, -0.5};
     setup.damping = 20;
     for (Index t = 0; t < setup.mesh.tet_count(); ++t)

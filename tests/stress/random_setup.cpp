@@ -18,10 +18,11 @@ TetMesh random_mesh(Dice& dice, int cells) {
 void choose_materials(Dice& dice, Setup& setup) {
   setup.materials = {Elastic{4e4, 1e4, 1000}, Elastic{7e4, 2e4, 1100}};
   const double pressure = dice.says(0.25) ? (dice.says(0.5) ? 1 : 0.6) : 0;
-  const bool is_neo_hookean = dice.says(0.15);
+  const bool is_neo_hookean = dice.says(0.15), is_smoothed = dice.says(0.35);
   for (Elastic& material : setup.materials) {
     material.nodal_pressure = pressure;
     if (is_neo_hookean) material.law = MaterialLaw::neo_hookean;
+    if (is_smoothed && dice.says(0.8)) material.element = ElementType::edge_smoothed;
     if (dice.says(0.3)) material.fracture_energy = 10;
   }
   for (Index t = 0; t < setup.mesh.tet_count(); ++t) setup.material_of.push_back(t % 3 == 0);

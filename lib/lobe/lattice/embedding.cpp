@@ -11,6 +11,7 @@
 #include "lobe/fem/law.h"
 #include "lobe/fem/law_of.h"
 #include "lobe/numerics/symmetric_eigen.h"
+#include "lobe/region/smoothed_edges.h"
 
 namespace lobe {
 namespace {
@@ -75,6 +76,25 @@ double of_fine_mesh(const Elastic& e) {
   return e.mu / 3 * (1 + 4 * (e.lambda + e.mu) / (e.lambda + 2 * e.mu));
 }
 
+// Calls visit(share of the volume, ∇u) for the strains in which a tetrahedron has a part: its own, or those
+// of its six smoothing domains. u(X) is a displacement of the whole space.
+template <class Field, class Visit>
+void for_gradients(const Elements& elements, const SmoothedEdges& domains, Index tet, const Shape& shape,
+                   const Field& u, const Visit& visit) {
+  if (!elements.elastic_of(tet).is_smoothed()) {
+    Mat34<double> at;
+    for (int c = 0; c < 4; ++c) at.col(c) = u(elements.points.col(elements.topology.tets()(c, tet)));
+    return visit(1.0, Mat3<double>(at * shape.gradients.transpose()));
+  }
+  for (Index e : domains.of(tet)) {
+    const SmoothedEdge& domain = domains[e];
+    Mat3<double> H = Mat3<double>::Zero();
+    for (std::size_t j = 0; j < domain.vertices.size(); ++j)
+      H += u(elements.points.col(domain.vertices[j])) * domain.gradients[j].transpose();
+    visit(1.0 / 6, H);
+  }
+}
+
 Vec3d middle(const Lattice& lattice, Index part) {
   const Eigen::Array3d cell = lattice.parts[std::size_t(part)].cell.cast<double>().array();
   return lattice.frame.origin + lattice.frame.edge * (cell + 0.5).matrix();
@@ -102,6 +122,7 @@ std::vector<double> fluctuation_stiffness(const Elements& elements, const Lattic
   zero.fill(Mat3<double>::Zero());
   std::vector<Modes> strain(lattice.parts.size(), zero);  // ∫ ∇u
   std::vector<double> own(elements.materials.size(), 0), of_lattice = own, stiffness;
+  const SmoothedEdges domains(elements, RegionModel::reduced);
   for (std::size_t first = 0; first < lattice.part_of_sample.size(); first += tet_samples) {
     const Index tet = static_cast<Index>(first) / tet_samples;
     const std::uint16_t material = elements.material_of[std::size_t(tet)];
@@ -114,15 +135,15 @@ std::vector<double> fluctuation_stiffness(const Elements& elements, const Lattic
       const auto count = std::count(begin, begin + tet_samples, part);
       const Shape shape = elements.shape_of(tet);
       const double volume = shape.volume * double(count) / tet_samples;
-      const Mat34<double> X = elements.corner_points(tet).colwise() - middle(lattice, part);
+      const Vec3d centre = middle(lattice, part);
       const Elastic& e = elements.materials[material];
-      for (int number = 0; number < mode_count; ++number) {
-        Mat34<double> u;
-        for (int c = 0; c < 4; ++c) u.col(c) = mode(number, e, X.col(c));
-        const Mat3<double> H = u * shape.gradients.transpose();
-        strain[std::size_t(part)][std::size_t(number)] += volume * H;
-        own[material] += volume * hooke_energy_density<double>(H, e.lambda, e.mu);
-      }
+      for (int number = 0; number < mode_count; ++number)
+        for_gradients(
+            elements, domains, tet, shape, [&](const Vec3d& X) { return mode(number, e, X - centre); },
+            [&](double share, const Mat3<double>& H) {
+              strain[std::size_t(part)][std::size_t(number)] += share * volume * H;
+              own[material] += share * volume * hooke_energy_density<double>(H, e.lambda, e.mu);
+            });
     }
   }
   const auto gauss = gauss_points(lattice.frame.edge);

@@ -25,8 +25,6 @@ constexpr Exclusion table[] = {
      "use \"nonlinear\""},
     {Option::corotational, Option::fibres, "its energy is that of a material alike in all directions",
      "use \"nonlinear\""},
-    {Option::edge_smoothed, Option::reduced, "a cell of the lattice has the energy of plain tetrahedra",
-     "use \"nonlinear\""},
     {Option::partly_held, Option::precomputed, "a precomputed region knows wholly held vertices only",
      "use \"tensor-mass\" or \"nonlinear\""},
     {Option::partly_held, Option::reduced, "nodes of its lattice know wholly held vertices only",

@@ -19,8 +19,10 @@ struct Contact<Real>::OfTool {
 
 template <class Real>
 struct Contact<Real>::Scratch {
-  Mat3X<double> x;            // places of all points of the surface [m]
-  ContactForces self_forces;  // of the body on itself
+  Mat3X<double> x;               // places of all points of the surface [m]
+  ContactForces self_forces;     // of the body on itself
+  Mat3X<Real> soon;              // displacements at the end of the frame [m]
+  DiagonalStiffness now, later;  // of the body on itself
 };
 
 template <class Real>
@@ -207,34 +209,69 @@ void Contact<Real>::add_forces(const At& at, Mat3X<Real>& f) {
   });
 }
 
+namespace {
+
+void add_to_vertex(Index vertex, double share, const Mat3<double>& K, DiagonalStiffness& sum) {
+  auto column = sum.col(vertex);
+  column[0] += share * K(0, 0);
+  column[1] += share * K(0, 1);
+  column[2] += share * K(0, 2);
+  column[3] += share * K(1, 1);
+  column[4] += share * K(1, 2);
+  column[5] += share * K(2, 2);
+}
+
+void add_to_point(const ContactSurface::Point& point, double weight, const Mat3<double>& K,
+                  DiagonalStiffness& sum) {
+  for (int c = 0; c < point.count; ++c)
+    add_to_vertex(point.corners[c], point.count == 1 ? weight * weight : std::abs(weight * point.weights[c]),
+                  K, sum);
+}
+
+}  // namespace
+
 template <class Real>
 void Contact<Real>::add_diagonal_stiffness(const At& at, DiagonalStiffness& sum) {
-  const auto add_to_vertex = [&](Index vertex, double share, const Mat3<double>& K) {
-    auto column = sum.col(vertex);
-    column[0] += share * K(0, 0);
-    column[1] += share * K(0, 1);
-    column[2] += share * K(0, 2);
-    column[3] += share * K(1, 1);
-    column[4] += share * K(1, 2);
-    column[5] += share * K(2, 2);
-  };
-  const auto add_to = [&](int point, double weight, const Mat3<double>& K) {
-    const ContactSurface::Point& surface_point = surface_.points()[std::size_t(point)];
-    for (int c = 0; c < surface_point.count; ++c)
-      add_to_vertex(surface_point.corners[c],
-                    surface_point.count == 1 ? weight * weight : std::abs(weight * surface_point.weights[c]),
-                    K);
-  };
   visit_tools(at, [&](std::size_t, ToolContact& tool, const ToolContact::At& here) {
     tool.visit_stiffness(here, [&](int place, double weight, const Mat3<double>& K) {
-      add_to(tool.points()[std::size_t(place)], weight, K);
+      add_to_point(surface_.points()[std::size_t(tool.points()[std::size_t(place)])], weight, K, sum);
     });
   });
+  const double ahead = frame_end_ - at.time;
+  if (!self_ || surface_.body_count() < 2 || !(ahead > 0)) return add_self_stiffness(at, sum);
+  find_soon(at, ahead);
+  DiagonalStiffness &now = scratch_->now, &later = scratch_->later;
+  now.setZero(6, sum.cols());
+  add_self_stiffness(at, now);
+  for (Index v = 0; v < sum.cols(); ++v) {
+    const auto size = [v](const DiagonalStiffness& K) { return K(0, v) + K(3, v) + K(5, v); };
+    sum.col(v) += size(later) > size(now) ? later.col(v) : now.col(v);
+  }
+}
+
+template <class Real>
+void Contact<Real>::add_self_stiffness(const At& at, DiagonalStiffness& sum) {
   visit_self(at, [&](const SelfAt& here) {
-    self_->visit_stiffness(here, add_to, [&](Index vertex, double weight, const Mat3<double>& K) {
-      add_to_vertex(vertex, weight * weight, K);
-    });
+    self_->visit_stiffness(
+        here,
+        [&](int point, double weight, const Mat3<double>& K) {
+          add_to_point(surface_.points()[std::size_t(point)], weight, K, sum);
+        },
+        [&](Index vertex, double weight, const Mat3<double>& K) {
+          add_to_vertex(vertex, weight * weight, K, sum);
+        });
   });
+}
+
+// What bodies that move on as they do now would touch at the end of the frame. So the step limit knows of a
+// touch before it happens, and the frame is not run again.
+template <class Real>
+void Contact<Real>::find_soon(const At& at, double ahead) {
+  scratch_->later.setZero(6, at.u.cols());
+  scratch_->soon = at.u + Real(ahead) * at.v;
+  self_->forget();
+  add_self_stiffness({at.model, scratch_->soon, at.v, at.time}, scratch_->later);
+  self_->forget();
 }
 
 template <class Real>

@@ -72,6 +72,8 @@ class Contact : public ForceTerm<Real> {
   void visit_self(const At& at, Visit&& visit);
   template <class Visit>
   void visit_tools(const At& at, Visit&& visit);
+  void add_self_stiffness(const At& at, DiagonalStiffness& K);
+  void find_soon(const At& at, double ahead);
 
   ContactSetup setup_;
   double body_damping_;  // γ [1/s]

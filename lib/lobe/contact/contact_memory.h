@@ -36,7 +36,7 @@ class AnchorReader {
 
   // Null: the point has none.
   const Anchor* find(const FaceOwner& triangle, int divisions, int number) {
-    while (next_ < all_.size() && is_before(all_[next_], triangle, number)) ++next_;
+    while (next_ < all_.size() && is_before(all_[next_], triangle, divisions, number)) ++next_;
     if (next_ == all_.size()) return nullptr;
     const Anchor& own = all_[next_];
     const bool is_it = own.tet == triangle.tet && own.code == triangle.code && own.divisions == divisions &&
@@ -45,9 +45,10 @@ class AnchorReader {
   }
 
  private:
-  static bool is_before(const Anchor& own, const FaceOwner& triangle, int number) {
+  static bool is_before(const Anchor& own, const FaceOwner& triangle, int divisions, int number) {
     if (own.tet != triangle.tet) return own.tet < triangle.tet;
     if (own.code != triangle.code) return own.code < triangle.code;
+    if (own.divisions != divisions) return own.divisions < divisions;
     return own.number < number;
   }
 

@@ -70,7 +70,7 @@ void ContactSurface::rebuild(const BodyView& now) {
   mass_degree_ = now.mass_degree;
   softening_ = now.softening && omega_ > 0 ? now.softening() : 1;
   for (Triangle& t : triangles_) t.stiffness *= softening_;
-  find_quartile();
+  for (std::size_t body = 0; body < bodies_.size(); ++body) bodies_[body].quartile = quartile_of(body);
 }
 
 // Sorted by their owners. A crease of the surface is two vertices there and one point here.
@@ -100,10 +100,13 @@ void ContactSurface::take_triangles(const BodyView& now) {
       points_.push_back({Eigen::Vector4i::Constant(surface.mesh_vertex[std::size_t(s)])});
     return known;
   };
-  double edges = 0;
+  bodies_.assign(now.model.elements.bodies.count(), {});
+  std::vector<double> edges(bodies_.size(), 0);
   for (Index t : order) {
-    Triangle triangle{
-        .points = {}, .owner = surface.owner[std::size_t(t)], .is_cut = surface.cut[std::size_t(t)] != 0};
+    Triangle triangle{.points = {},
+                      .owner = surface.owner[std::size_t(t)],
+                      .is_cut = surface.cut[std::size_t(t)] != 0,
+                      .body = surface.body[std::size_t(t)]};
     Mat3<double> X;
     for (int c = 0; c < 3; ++c) {
       triangle.points[c] = point_of(surface.triangles[std::size_t(t)][c]);
@@ -116,11 +119,22 @@ void ContactSurface::take_triangles(const BodyView& now) {
     for (int c = 0; c < 3; ++c) {
       const double edge = (X.col(c) - X.col((c + 1) % 3)).norm();
       triangle.longest = std::max(triangle.longest, edge);
-      edges += edge;
+      edges[triangle.body] += edge;
     }
     triangles_.push_back(triangle);
   }
-  mean_edge_ = triangles_.empty() ? 0 : edges / (3.0 * double(triangles_.size()));
+  find_mean_edges(edges);
+}
+
+void ContactSurface::find_mean_edges(const std::vector<double>& edges) {
+  double all = 0;
+  for (std::size_t body = 0; body < bodies_.size(); ++body) {
+    const auto triangles = std::count_if(triangles_.begin(), triangles_.end(),
+                                         [&](const Triangle& t) { return t.body == body; });
+    bodies_[body].mean_edge = triangles > 0 ? edges[body] / (3.0 * double(triangles)) : 0;
+    all += edges[body];
+  }
+  mean_edge_ = triangles_.empty() ? 0 : all / (3.0 * double(triangles_.size()));
 }
 
 void ContactSurface::find_stiffness(const BodyView& now) {
@@ -152,20 +166,22 @@ void ContactSurface::find_stiffness(const BodyView& now) {
   }
 }
 
-void ContactSurface::find_quartile() {
+// The stiffness that a quarter of the body's area cannot bear.
+double ContactSurface::quartile_of(std::size_t body) const {
   std::vector<std::pair<double, double>> sorted;  // κ, area
   double area = 0;
   for (const Triangle& t : triangles_) {
+    if (t.body != body) continue;
     sorted.emplace_back(t.stiffness, t.area);
     area += t.area;
   }
   std::sort(sorted.begin(), sorted.end());
-  quartile_ = 0;
-  double below = 0;
+  double quartile = 0, below = 0;
   for (const auto& [stiffness, share] : sorted) {
-    quartile_ = stiffness;
+    quartile = stiffness;
     if ((below += share) >= area / 4) break;
   }
+  return quartile;
 }
 
 // K_c of each triangle is a third of κ A along its normal at each corner, which is no less than what its

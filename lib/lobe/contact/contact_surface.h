@@ -28,10 +28,11 @@ class ContactSurface {
   struct Triangle {
     Eigen::Vector3i points;
     FaceOwner owner;
-    double area = 0;       // at rest [m²]
-    double longest = 0;    // edge at rest [m]
-    double stiffness = 0;  // κ [Pa/m]
-    bool is_cut = false;   // it was inside at the start
+    double area = 0;        // at rest [m²]
+    double longest = 0;     // edge at rest [m]
+    double stiffness = 0;   // κ [Pa/m]
+    bool is_cut = false;    // it was inside at the start
+    std::uint8_t body = 0;  // of several (MeshBodies)
   };
 
   // Whether it is of another boundary, of other masses, or of another degree of selective ones.
@@ -44,11 +45,14 @@ class ContactSurface {
   const std::vector<Triangle>& triangles() const { return triangles_; }
   const std::vector<Point>& points() const { return points_; }
   double mean_edge() const { return mean_edge_; }  // at rest [m]
-  // The stiffness of contact between parts of the body [Pa/m]. It is uniform, so that blocks that press flat
-  // on each other keep flat faces. It is the value that a quarter of the area cannot bear, but at most
-  // `most_beyond` times the stiffness of a triangle.
+  std::size_t body_count() const { return bodies_.size(); }
+  double mean_edge_of(int body) const { return bodies_[std::size_t(body)].mean_edge; }  // at rest [m]
+  // The stiffness of contact of a body with parts of itself and with other bodies [Pa/m]. It is uniform, so
+  // that blocks that press flat on each other keep flat faces. It is the value that a quarter of the body's
+  // area cannot bear, but at most `most_beyond` times the stiffness of a triangle.
   double self_stiffness(int triangle) const {
-    return std::min(quartile_, most_beyond * triangles_[std::size_t(triangle)].stiffness);
+    const Triangle& own = triangles_[std::size_t(triangle)];
+    return std::min(bodies_[own.body].quartile, most_beyond * own.stiffness);
   }
   double softening() const { return softening_; }  // the share of the stiffness that is left, at most 1
   double omega() const { return omega_; }          // ω_max, which the stiffness fills up to [1/s]
@@ -57,14 +61,20 @@ class ContactSurface {
 
  private:
   static constexpr double most_beyond = 24;
+  struct OfBody {
+    double mean_edge = 0;  // [m]
+    double quartile = 0;   // [Pa/m]
+  };
   void take_triangles(const BodyView& now);
+  void find_mean_edges(const std::vector<double>& edges);
   void find_stiffness(const BodyView& now);
-  void find_quartile();
+  double quartile_of(std::size_t body) const;
 
   std::uint64_t revision_ = 0, surface_ = ~std::uint64_t(0), structure_ = 0, inertia_ = 0;
   std::vector<Triangle> triangles_;
   std::vector<Point> points_;
-  double mean_edge_ = 0, omega_ = 0, quartile_ = 0;
+  std::vector<OfBody> bodies_;
+  double mean_edge_ = 0, omega_ = 0;
   double softening_ = 1;
   int mass_degree_ = 1;
 };

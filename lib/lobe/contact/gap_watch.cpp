@@ -157,14 +157,13 @@ void GapWatch::mark_held(const ContactMemory& memory) {
   const auto end = search_.candidates().end();
   Index last = -1;
   for (const Anchor& anchor : memory.all_anchors()) {
-    const std::pair own(anchor.tet, anchor.code);
-    const auto owner = [&] { return std::pair(candidate->owner.tet, candidate->owner.code); };
-    while (candidate != end && owner() < own) {
+    const std::tuple own(anchor.tet, anchor.code, anchor.divisions);
+    while (candidate != end && candidate->key() < own) {
       ++candidate;
       last = -1;
     }
     if (candidate == end) return;
-    if (owner() != own || anchor.in == last) continue;
+    if (candidate->key() != own || anchor.in == last) continue;
     last = anchor.in;
     for (int i = candidate->first; i < candidate->first + candidate->count; ++i) {
       Watched& state = states_[std::size_t(i)];
@@ -250,13 +249,26 @@ void GapWatch::find_close() {
     const auto k = std::size_t(states_[std::size_t(i)].place);
     blocks_[k / width].gap[k % width] = 0;
   }
+  if (!rest_.has_several_bodies()) return find_close_of(self_divisions, limit);
+  for (int divisions = 1; divisions <= self_divisions; ++divisions) find_close_of(divisions, limit);
+  std::sort(close_.candidates.begin(), close_.candidates.end(),
+            [](const auto& a, const auto& b) { return a.candidate < b.candidate; });
+}
+
+void GapWatch::find_close_of(int divisions, float limit) {
+  const auto first = static_cast<int>(close_.blocks.size());
+  close_.pairs.resize(width * close_.blocks.size(), -1);
+  int last = -1;
   visit_within(blocks_, limit, watched_.size(), [&](std::size_t k) {
     const int candidate = search_.pairs()[std::size_t(watched_[k])].candidate;
-    if (close_.candidates.empty() || close_.candidates.back().candidate != candidate)
+    if (search_.candidates()[std::size_t(candidate)].divisions != divisions) return;
+    if (std::exchange(last, candidate) != candidate)
       close_.candidates.push_back({candidate, static_cast<int>(close_.pairs.size()), 0});
     ++close_.candidates.back().count;
     take_close(watched_[k], k);
   });
+  const int added = static_cast<int>(close_.blocks.size()) - first;
+  if (added > 0) close_.kinds.push_back({divisions, first, added});
 }
 
 void GapWatch::clear_close() {

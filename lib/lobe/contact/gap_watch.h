@@ -28,13 +28,19 @@ struct SelfAt {
   double since = 0;  // the last step [s]
 };
 
-// Pairs that may touch before the next look, candidate by candidate.
+// Pairs that may touch before the next look, candidate by candidate; first those whose triangles have one
+// point, and so on. A block has pairs of one such kind.
 struct ClosePairs {
+  struct OfDivisions {
+    int divisions = self_divisions, first_block = 0, blocks = 0;
+  };
   struct OfCandidate {
     int candidate = 0, first = 0, count = 0;  // its number; place and number of its pairs in `pairs`
   };
-  std::vector<int> pairs;  // numbers in PairSearch::pairs()
-  std::vector<OfCandidate> candidates;
+  std::vector<int>
+      pairs;  // numbers in PairSearch::pairs(); −1: the last of a block, of which there are fewer
+  std::vector<OfCandidate> candidates;  // ascending
+  std::vector<OfDivisions> kinds;
   std::vector<PairBlock> blocks;  // of `pairs`, with places in `points`
 
   // The places that these blocks use: those of vertices with their numbers in the mesh, and the others.
@@ -47,6 +53,7 @@ struct ClosePairs {
   void clear() {
     pairs.clear();
     candidates.clear();
+    kinds.clear();
     blocks.clear();
     places.clear();
     between.clear();
@@ -86,6 +93,7 @@ class GapWatch {
   void search(const SelfAt& at, const ContactMemory& memory);
   bool look(const SelfAt& at, const ContactMemory& memory);
   void find_close();
+  void find_close_of(int divisions, float limit);
   void clear_close();
   void take_close(int pair, std::size_t watched);
   void choose_look_room(double speed, double since);

@@ -147,24 +147,27 @@ void PairSearch::find_pairs(const ContactSurface& surface, const std::vector<Anc
     const FaceOwner& owner = surface.triangles()[t].owner;
     const std::pair own(owner.tet, owner.code);
     for (; anchor != anchors.end() && std::pair(anchor->tet, anchor->code) <= own; ++anchor)
-      if (std::pair(anchor->tet, anchor->code) == own) find_held(static_cast<int>(t), first, anchor->in);
+      if (std::pair(anchor->tet, anchor->code) == own)
+        find_held(static_cast<int>(t), anchor->divisions, first, anchor->in);
   }
 }
 
-// Adds a pair to those of its triangle, which begin at `first` and are in the order of layers. A tetrahedron
-// that a cut has taken off the boundary holds nothing.
-void PairSearch::find_held(int triangle, std::size_t first, Index tet) {
+// Adds a pair to those of its triangle, which begin at `first` and are in the order of points and layers. A
+// tetrahedron that a cut has taken off the boundary holds nothing.
+void PairSearch::find_held(int triangle, int divisions, std::size_t first, Index tet) {
   const int layer = rest_.boundary.number_of(tet);
   if (std::size_t(layer) == rest_.boundary.tets().size() || rest_.layer(layer).tet != tet ||
       scratch_.stamp[std::size_t(layer)] == triangle)
     return;
   const auto own = scratch_.found.begin() + long(first);
-  const auto place = std::lower_bound(own, scratch_.found.end(), layer,
-                                      [](const Found& found, int number) { return found.layer < number; });
-  if (place != scratch_.found.end() && place->layer == layer)
+  const std::pair wanted(divisions, layer);
+  const auto place =
+      std::lower_bound(own, scratch_.found.end(), wanted,
+                       [](const Found& found, const auto& key) { return found.place() < key; });
+  if (place != scratch_.found.end() && place->place() == wanted)
     place->is_held = true;
   else
-    scratch_.found.insert(place, {triangle, layer, std::numeric_limits<float>::lowest(), 0, true});
+    scratch_.found.insert(place, {triangle, layer, std::numeric_limits<float>::lowest(), 0, divisions, true});
 }
 
 void PairSearch::find_pairs_of(const ContactSurface& surface, int triangle) {
@@ -187,7 +190,10 @@ void PairSearch::find_pairs_of(const ContactSurface& surface, int triangle) {
     from[axis].setConstant(low[axis]);
     to[axis].setConstant(high[axis]);
   }
+  const int body = surface.triangles()[std::size_t(triangle)].body;
   const auto look_at = [&](int layer) {
+    const int divisions = rest_.divisions(body, rest_.body_of[std::size_t(layer)]);
+    if (divisions == 0) return;
     const Planes& planes = scratch_.planes[std::size_t(layer)];
     Eigen::Array4f beyond;  // each face
     for (int c = 0; c < 3; ++c) {
@@ -200,7 +206,7 @@ void PairSearch::find_pairs_of(const ContactSurface& surface, int triangle) {
     const Eigen::Array4f over =
         planes.x[0] * n[0] + planes.x[1] * n[1] + planes.x[2] * n[2] - n.dot(x.col(0));
     const float gap = std::max({most, over.minCoeff(), -over.maxCoeff()}) - rounding;
-    if (gap <= within) scratch_.found.push_back({triangle, layer, gap, face, false});
+    if (gap <= within) scratch_.found.push_back({triangle, layer, gap, face, divisions, false});
   };
   const std::size_t before = scratch_.found.size();
   const int count = parts_.count(), part = rest_.part_of_triangle[std::size_t(triangle)];
@@ -220,7 +226,7 @@ void PairSearch::find_pairs_of(const ContactSurface& surface, int triangle) {
     }
   }
   std::sort(scratch_.found.begin() + long(before), scratch_.found.end(),
-            [](const Found& a, const Found& b) { return a.layer < b.layer; });
+            [](const Found& a, const Found& b) { return a.place() < b.place(); });
 }
 
 // Of what was found, the pairs that are no farther than that from each other along the way between their
@@ -261,9 +267,11 @@ void PairSearch::take_candidates(const ContactSurface& surface) {
 }
 
 void PairSearch::take_pair(const ContactSurface& surface, const Found& found, float gap) {
-  if (candidates_.empty() || candidates_.back().triangle != found.triangle)
+  if (candidates_.empty() || candidates_.back().triangle != found.triangle ||
+      candidates_.back().divisions != found.divisions)
     candidates_.push_back({.triangle = found.triangle,
                            .owner = surface.triangles()[std::size_t(found.triangle)].owner,
+                           .divisions = found.divisions,
                            .first = static_cast<int>(pairs_.size())});
   ++candidates_.back().count;
   pairs_.push_back({.candidate = static_cast<int>(candidates_.size()) - 1,

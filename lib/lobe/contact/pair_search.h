@@ -3,6 +3,8 @@
 #pragma once
 
 #include <cstdint>
+#include <tuple>
+#include <utility>
 
 #include "lobe/contact/contact_memory.h"
 #include "lobe/contact/part_motion.h"
@@ -20,10 +22,12 @@ class PairSearch {
     std::uint8_t face = 0;  // the plane of this face of the tetrahedron parted them best
     float gap = 0;          // of the points when it was searched, or less [m]
   };
-  struct Candidate {  // a triangle that has pairs
+  struct Candidate {  // a triangle that has pairs, with the points that it has for these
     int triangle = 0;
     FaceOwner owner;
-    int first = 0, count = 0;  // place and number of its pairs
+    int divisions = self_divisions;  // of its edges: it has divisions² points
+    int first = 0, count = 0;        // place and number of its pairs
+    auto key() const { return std::tuple(owner.tet, owner.code, divisions); }
   };
 
   explicit PairSearch(const SelfRest& rest) : rest_(rest) {}
@@ -74,7 +78,9 @@ class PairSearch {
     int triangle, layer;
     float gap;  // or less [m]
     int face;
+    int divisions;
     bool is_held = false;
+    auto place() const { return std::pair(divisions, layer); }  // among those of its triangle
   };
   struct Scratch {  // of a search
     std::vector<float> squares;
@@ -89,7 +95,7 @@ class PairSearch {
   void link_parts();
   void find_pairs(const ContactSurface& surface, const std::vector<Anchor>& anchors);
   void find_pairs_of(const ContactSurface& surface, int triangle);
-  void find_held(int triangle, std::size_t first, Index tet);
+  void find_held(int triangle, int divisions, std::size_t first, Index tet);
   void take_candidates(const ContactSurface& surface);
   void take_pair(const ContactSurface& surface, const Found& found, float gap);
   void rank_pairs(const std::vector<PairBlock>& blocks);

@@ -57,9 +57,9 @@ Eigen::Vector4d SelfNear::Inverse::weights(const Vec3d& x) const {
 }
 
 // Whether a point of a triangle is in a tetrahedron, or nearly so.
-bool SelfNear::is_near(const Mat3<double>& triangle, const Mat34<double>& tet, int layer) {
+bool SelfNear::is_near(const Mat3<double>& triangle, int divisions, const Mat34<double>& tet, int layer) {
   const Inverse& own = inverse(tet, layer);
-  for (const Vec3d& weights : self_point_weights()) {
+  for (const Vec3d& weights : self_point_weights(divisions)) {
     const Vec3d point = triangle * weights;
     if (own.is_sound && own.gap(own.weights(point)) > rest_.near) continue;
     if (distance_to_tet(point, tet) <= rest_.near) return true;

@@ -33,7 +33,7 @@ class SelfNear {
   Mat34<double> corners_of(const Places& now, int layer) const;
   const Inverse& inverse(const Mat34<double>& corners, int layer);
   bool is_parted(int pair, const Mat34<double>& tet, const Mat3<double>& points);
-  bool is_near(const Mat3<double>& triangle, const Mat34<double>& tet, int layer);
+  bool is_near(const Mat3<double>& triangle, int divisions, const Mat34<double>& tet, int layer);
 
   const SelfRest& rest_;
   const PairSearch& search_;
@@ -55,7 +55,7 @@ void SelfNear::visit(const SelfAt& at, Triangle&& triangle, Tetrahedron&& tetrah
     for (const PairSearch::Pair& pair : search_.pairs()) faces_.push_back(pair.face);
   }
   for (const ClosePairs::OfCandidate& ones : watch_.close().candidates) {
-    const int number = search_.candidates()[std::size_t(ones.candidate)].triangle;
+    const auto& [number, owner, divisions, first, count] = search_.candidates()[std::size_t(ones.candidate)];
     Mat3<double> x;
     for (int c = 0; c < 3; ++c)
       x.col(c) = at.places.of_point(at.surface.triangles()[std::size_t(number)].points[c]);
@@ -64,7 +64,7 @@ void SelfNear::visit(const SelfAt& at, Triangle&& triangle, Tetrahedron&& tetrah
     for (int i : watch_.close().of(ones)) {
       const int layer = search_.pairs()[std::size_t(i)].layer;
       const Mat34<double> tet = corners_of(at.places, layer);
-      if (is_parted(i, tet, points) || !is_near(x, tet, layer)) continue;
+      if (is_parted(i, tet, points) || !is_near(x, divisions, tet, layer)) continue;
       is_any_near = true;
       tetrahedron(rest_.layer(layer).corners);
     }

@@ -11,17 +11,18 @@
 
 namespace lobe {
 
-inline constexpr int self_divisions = 3;  // of the edges of a triangle
-inline constexpr int self_points_per_triangle = self_divisions * self_divisions;
+inline constexpr int self_divisions = 3;  // of the edges of a triangle, at most
+inline constexpr int most_self_points = self_divisions * self_divisions;
 
-// Barycentric coordinates of the points of a triangle.
-inline const std::array<Vec3d, self_points_per_triangle>& self_point_weights() {
+// Barycentric coordinates of the points of a triangle whose edges are divided so often.
+inline const std::vector<Vec3d>& self_point_weights(int divisions) {
   static const auto weights = [] {
-    std::array<Vec3d, self_points_per_triangle> found;
-    visit_centroids(self_divisions, [&](int number, const Vec3d& own) { found[std::size_t(number)] = own; });
+    std::array<std::vector<Vec3d>, self_divisions + 1> found;
+    for (int n = 1; n <= self_divisions; ++n)
+      visit_centroids(n, [&](int, const Vec3d& own) { found[std::size_t(n)].push_back(own); });
     return found;
   }();
-  return weights;
+  return weights[std::size_t(divisions)];
 }
 
 // The triangle between the outermost points of one of these corners.

@@ -1,6 +1,7 @@
 #include "lobe/contact/self_rest.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 #include <utility>
 
@@ -13,6 +14,7 @@ namespace {
 
 constexpr int tets_per_part = 48, most_parts = 256;
 constexpr double always_near = 0.01;  // in mean edges
+constexpr double larger = 1.2;        // edges of one body than those of another
 
 }  // namespace
 
@@ -20,8 +22,28 @@ void SelfRest::rebuild(const ContactSurface& surface, const Elements& elements) 
   boundary.rebuild(surface, elements);
   mean_edge = surface.mean_edge();
   near = always_near * mean_edge;
+  choose_divisions(surface, elements.bodies);
   take_points(surface, elements);
   divide_into_parts(surface);
+}
+
+// Points are half of the other body's edge apart, which is what that can follow.
+void SelfRest::choose_divisions(const ContactSurface& surface, const MeshBodies& bodies) {
+  bodies_ = int(bodies.count());
+  several_bodies_ = bodies_ > 1;
+  divisions_.assign(std::size_t(bodies_ * bodies_), self_divisions);
+  edge_ratios_.assign(divisions_.size(), 1);
+  body_of.clear();
+  for (const BoundaryLayer::Tet& own : boundary.tets())
+    body_of.push_back(std::uint8_t(bodies.body_of(own.tet)));
+  for (int own = 0; own < bodies_; ++own)
+    for (int other = 0; other < bodies_; ++other) {
+      const double edge = surface.mean_edge_of(own), partner = surface.mean_edge_of(other);
+      edge_ratios_[std::size_t(own * bodies_ + other)] = std::max(edge, partner) / mean_edge;
+      if (own == other) continue;
+      divisions_[std::size_t(own * bodies_ + other)] =
+          edge > larger * partner ? 0 : std::clamp(int(std::ceil(2 * edge / partner)), 1, self_divisions);
+    }
 }
 
 void SelfRest::take_points(const ContactSurface& surface, const Elements& elements) {

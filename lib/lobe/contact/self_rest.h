@@ -16,6 +16,19 @@ struct SelfRest {
   std::vector<int> place_of_point;         // per point of the surface
   double mean_edge = 0;                    // of the surface [m]
   double near = 0;                         // gap of pairs that are always looked at [m]
+  std::vector<std::uint8_t> body_of;       // per layer
+
+  // How often the edges of a triangle of one body are divided for points that touch another body; 0: the
+  // triangles of the other one, which are smaller, have all points. A body touches itself at all points.
+  int divisions(int own, int other) const {
+    return several_bodies_ ? divisions_[std::size_t(own * bodies_ + other)] : self_divisions;
+  }
+  // The mean edge of the coarser one of two bodies over that of all.
+  double edge_ratio(int own, int other) const {
+    return several_bodies_ ? edge_ratios_[std::size_t(own * bodies_ + other)] : 1;
+  }
+  bool has_several_bodies() const { return several_bodies_; }
+  bool is_one_sided(int own, int other) const { return divisions(other, own) == 0; }
 
   // Parts: of near tetrahedra with what triangles they own.
   std::vector<std::vector<int>> parts;  // places of their points, ascending
@@ -27,9 +40,15 @@ struct SelfRest {
   const BoundaryLayer::Tet& layer(int number) const { return boundary.tets()[std::size_t(number)]; }
 
  private:
+  void choose_divisions(const ContactSurface& surface, const MeshBodies& bodies);
   void take_points(const ContactSurface& surface, const Elements& elements);
   void divide_into_parts(const ContactSurface& surface);
   void divide_into_fours(const std::vector<Vec3d>& centres, const std::vector<int>& part_of_layer);
+
+  bool several_bodies_ = false;
+  int bodies_ = 1;
+  std::vector<int> divisions_;       // of triangles of one body for another: bodies_ × bodies_
+  std::vector<double> edge_ratios_;  // the same
 };
 
 }  // namespace lobe

@@ -7,7 +7,7 @@ namespace lobe {
 
 void SelfTouch::rebuild(const ContactSurface& surface) {
   scratch_.faces.assign(surface.triangles().size(), {});
-  known_faces_.assign(surface.triangles().size() * self_points_per_triangle, {});
+  known_faces_.assign(surface.triangles().size() * most_self_points, {});
 }
 
 // ---- Where the two overlap
@@ -28,9 +28,12 @@ void SelfTouch::find_insides(const SelfAt& at, bool with_speeds) {
   }
   constexpr double slack = 1e-9;
   scratch_.insides.resize(close.blocks.size());
-  kernels_.find_insides(scratch_.places.data(), self_point_weights().front().data(), self_points_per_triangle,
-                        slack, close.blocks.data(), scratch_.insides.data(),
-                        static_cast<int>(close.blocks.size()));
+  for (const ClosePairs::OfDivisions& kind : close.kinds) {
+    const std::vector<Vec3d>& weights = self_point_weights(kind.divisions);
+    kernels_.find_insides(scratch_.places.data(), weights.front().data(), static_cast<int>(weights.size()),
+                          slack, &close.blocks[std::size_t(kind.first_block)],
+                          &scratch_.insides[std::size_t(kind.first_block)], kind.blocks);
+  }
 }
 
 Eigen::Vector4d SelfTouch::weights_in(int pair, const Vec3d& weights) const {
@@ -140,7 +143,7 @@ bool SelfTouch::find_touch(const SelfAt& at, const HeldDepths& held, const Close
   const bool is_in = find_pair(ones, touch);
   if (is_in) {
     const Vec3d rest = place_at_rest(rest_.layer(touch.layer), touch.corner_weights);
-    touch.face = nearest_face(self_points_per_triangle * number + touch.number, touch.layer, rest);
+    touch.face = nearest_face(most_self_points * number + touch.number, touch.layer, rest);
     if (touch.face < 0) return false;
   } else if (!(touch.held > 0 && touch.anchor && find_kept_face(at, ones, touch))) {
     return false;
@@ -157,8 +160,12 @@ bool SelfTouch::find_touch(const SelfAt& at, const HeldDepths& held, const Close
   constexpr double farthest_beside = -0.5;  // it has slid off
   if (!is_in && touch.face_weights.minCoeff() < farthest_beside) return false;
   const double a = at.surface.self_stiffness(number), c = at.surface.self_stiffness(touch.face);
-  touch.stiffness = a + c > 0 ? a * c / (a + c) / 2 : 0;
-  touch.area = triangle.area / self_points_per_triangle;
+  const int other = rest_.body_of[std::size_t(touch.layer)], divisions = touch.candidate->divisions;
+  touch.law = at.law;
+  touch.law.deepest *= rest_.edge_ratio(triangle.body, other);
+  touch.stiffness = a + c > 0 ? a * c / (a + c) : 0;
+  if (!rest_.is_one_sided(triangle.body, other)) touch.stiffness /= 2;
+  touch.area = triangle.area / (divisions * divisions);
   return true;
 }
 
@@ -210,7 +217,7 @@ void SelfTouch::add_forces(const SelfAt& at, ContactMemory& memory, ContactForce
       speed = speeds * touch.weights;
       approach = -now.normal.dot(Vec3d(speed - now.speeds * touch.face_weights));
     }
-    const double pressure = at.law.pressure(touch.depth, touch.held, touch.stiffness, approach);
+    const double pressure = touch.law.pressure(touch.depth, touch.held, touch.stiffness, approach);
     const Vec3d pushed = touch.area * pressure * now.normal;
     Vec3d force = pushed;
     if (has_friction) {
@@ -246,7 +253,7 @@ void SelfTouch::remember(const SelfAt& at, const Touch& touch, const Vec3d& slip
   Anchor& anchor = memory.add();
   anchor.tet = touch.candidate->owner.tet;
   anchor.code = touch.candidate->owner.code;
-  anchor.divisions = self_divisions;
+  anchor.divisions = touch.candidate->divisions;
   anchor.number = touch.number;
   anchor.at = slip;
   anchor.face_tet = face.tet;
@@ -284,7 +291,7 @@ void SelfTouch::give_forces(const SelfAt& at, ContactForces& f) {
 double SelfTouch::energy(const SelfAt& at, ContactMemory& memory) {
   double sum = 0;
   visit_touches(at, memory, false, [&](const Touch& touch) {
-    sum += touch.area * at.law.energy(touch.depth, touch.held, touch.stiffness);
+    sum += touch.area * touch.law.energy(touch.depth, touch.held, touch.stiffness);
     if (touch.anchor) sum += touch.area * touch.stiffness / 4 * touch.anchor->at.squaredNorm();
   });
   return sum;

@@ -47,6 +47,7 @@ class SelfTouch {
     Vec3d face_weights = Vec3d::Zero();
     Eigen::Vector4d corner_weights = Eigen::Vector4d::Zero();  // of the tetrahedron
     double depth = 0, held = 0, stiffness = 0, area = 0;       // [m], [m], [Pa/m], [m²]
+    ContactLaw law;                                            // of the two bodies
   };
   struct Scratch {
     int numbering = -1;                          // of the points that the next rows are of
@@ -115,12 +116,14 @@ void SelfTouch::visit_touches(const SelfAt& at, ContactMemory& memory, bool with
     if (inside == 0 && !is_any_held) continue;
     touch.candidate = &search_.candidates()[std::size_t(ones.candidate)];
     const Mat3<double> corners = rows_at<3>(scratch_.places, ones.first, 0);
-    for (unsigned int left = is_any_held ? (1U << self_points_per_triangle) - 1 : unsigned(inside); left != 0;
+    const int divisions = touch.candidate->divisions;
+    const std::vector<Vec3d>& weights = self_point_weights(divisions);
+    for (unsigned int left = is_any_held ? (1U << weights.size()) - 1 : unsigned(inside); left != 0;
          left &= left - 1) {
       touch.number = std::countr_zero(left);
-      touch.anchor = anchors.find(touch.candidate->owner, self_divisions, touch.number);
+      touch.anchor = anchors.find(touch.candidate->owner, divisions, touch.number);
       if ((inside >> touch.number & 1) == 0 && !touch.anchor) continue;
-      touch.weights = self_point_weights()[std::size_t(touch.number)];
+      touch.weights = weights[std::size_t(touch.number)];
       if (find_touch(at, memory.held(), ones, corners * touch.weights, with_speeds, touch)) visit(touch);
     }
   }

@@ -20,6 +20,15 @@ namespace picture {
 namespace {
 
 constexpr Color organ_color = {0.62, 0.20, 0.16};
+// Of several bodies, by their number; liver, kidney, stomach and so on look about like that.
+constexpr std::array<Color, 8> body_colors = {{organ_color,
+                                               {0.72, 0.45, 0.36},
+                                               {0.80, 0.58, 0.50},
+                                               {0.42, 0.55, 0.30},
+                                               {0.55, 0.36, 0.52},
+                                               {0.78, 0.66, 0.38},
+                                               {0.36, 0.50, 0.62},
+                                               {0.60, 0.60, 0.58}}};
 constexpr Color flesh_color = {0.86, 0.42, 0.36};  // what a cut lays open
 constexpr double flesh_share = 0.45;               // of it in the colour of an exposed face
 
@@ -42,17 +51,36 @@ class StyleOfFace {
   vtkDataArray *region_, *embedded_;
 };
 
-// One colour per face: of its region or of the organ, towards flesh where a cut has exposed it.
-vtkSmartPointer<vtkUnsignedCharArray> face_colors(vtkPolyData* surface, bool by_region) {
-  const StyleOfFace style(surface);
+// Of the organ, or of what the panel asks for.
+class ColorOfFace {
+ public:
+  ColorOfFace(vtkPolyData* surface, const Panel& panel)
+      : by_region_(panel.color == "region"),
+        style_(surface),
+        body_(panel.color == "body" ? surface->GetCellData()->GetArray("body") : nullptr) {}
+
+  const Color& operator()(vtkIdType face) const {
+    if (by_region_ && style_.is_known()) return region_styles()[std::size_t(style_(face))].color;
+    if (body_) return body_colors[std::size_t(std::max(0.0, body_->GetTuple1(face))) % body_colors.size()];
+    return organ_color;
+  }
+
+ private:
+  bool by_region_;
+  StyleOfFace style_;
+  vtkDataArray* body_;
+};
+
+// One colour per face, towards flesh where a cut has exposed it.
+vtkSmartPointer<vtkUnsignedCharArray> face_colors(vtkPolyData* surface, const Panel& panel) {
+  const ColorOfFace color(surface, panel);
   vtkDataArray* exposed = surface->GetCellData()->GetArray("exposed");
   auto colors = vtkSmartPointer<vtkUnsignedCharArray>::New();
   colors->SetName("face color");
   colors->SetNumberOfComponents(3);
   colors->SetNumberOfTuples(surface->GetNumberOfCells());
   for (vtkIdType i = 0; i < surface->GetNumberOfCells(); ++i) {
-    const Color& base =
-        by_region && style.is_known() ? region_styles()[std::size_t(style(i))].color : organ_color;
+    const Color& base = color(i);
     const double share = exposed->GetTuple1(i) != 0 ? flesh_share : 0;
     for (int k = 0; k < 3; ++k)
       colors->SetComponent(i, k, std::round(255 * ((1 - share) * base[k] + share * flesh_color[k])));
@@ -166,7 +194,9 @@ std::vector<int> regions_shown(vtkPolyData* surface) {
   return {shown.begin(), shown.end()};
 }
 
-bool shows_array(const Panel& panel) { return panel.color != "none" && panel.color != "region"; }
+bool shows_array(const Panel& panel) {
+  return panel.color != "none" && panel.color != "region" && panel.color != "body";
+}
 
 Eigen::Vector2d array_range(vtkPolyData* surface, const Panel& panel) {
   vtkDataArray* array = surface->GetPointData()->GetArray(panel.color.c_str());
@@ -176,7 +206,7 @@ Eigen::Vector2d array_range(vtkPolyData* surface, const Panel& panel) {
     array->GetFiniteRange(range.data(), array->GetNumberOfComponents() == 1 ? 0 : -1);
     return range.allFinite() ? range : Eigen::Vector2d(0, 1);
   }
-  std::string names = "none, region";
+  std::string names = "none, region, body";
   for (vtkFieldData* data : {static_cast<vtkFieldData*>(surface->GetPointData()),
                              static_cast<vtkFieldData*>(surface->GetCellData())})
     for (int i = 0; i < data->GetNumberOfArrays(); ++i)
@@ -213,9 +243,10 @@ vtkSmartPointer<vtkLookupTable> color_map(const Eigen::Vector2d& range) {
 }
 
 void add_organ(vtkRenderer* renderer, vtkPolyData* surface, const Panel& panel, vtkLookupTable* colors) {
-  if (panel.color == "region" && !surface->GetCellData()->HasArray("region"))
-    throw std::runtime_error(panel.mesh.string() + ": has no cell array \"region\"");
-  if (!shows_array(panel)) surface->GetCellData()->AddArray(face_colors(surface, panel.color == "region"));
+  for (const char* array : {"region", "body"})
+    if (panel.color == array && !surface->GetCellData()->HasArray(array))
+      throw std::runtime_error(panel.mesh.string() + ": has no cell array \"" + array + "\"");
+  if (!shows_array(panel)) surface->GetCellData()->AddArray(face_colors(surface, panel));
   const vtkSmartPointer<vtkPolyData> shaded = with_normals(surface);
   renderer->AddActor(wet_skin(shaded, panel, colors));
   if (panel.edges) renderer->AddActor(mesh_lines(shaded));

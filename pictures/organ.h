@@ -29,7 +29,7 @@ const RegionStyles& region_styles();
 // The styles that occur on the surface, ascending.
 std::vector<int> regions_shown(vtkPolyData* surface);
 
-// True for the colours that are an array of the file: not "none", not "region".
+// True for the colours that are an array of the file: not "none", "region" or "body".
 bool shows_array(const Panel& panel);
 
 // Smallest and largest value (magnitude of vectors) of the panel's array. Throws std::runtime_error if the

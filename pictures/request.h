@@ -48,7 +48,7 @@ struct Panel {
   std::filesystem::path
       first;  // the mesh before any cut: faces that it has inside are drawn as cut; or empty
   std::string title;
-  std::string color = "none";  // "none" (organ), "region", or the name of a point or cell array
+  std::string color = "none";  // "none" (organ), "region", "body", or the name of a point or cell array
   std::optional<Eigen::Vector2d>
       range;  // of the colours; default: of the array, over all panels that show it
   bool edges = false;

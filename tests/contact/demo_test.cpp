@@ -5,10 +5,12 @@
 #include <cmath>
 #include <filesystem>
 
-#include "lobe/io/mesh_io.h"
+#include "lobe/diagnostics/body_figures.h"
+#include "lobe/diagnostics/body_overlap.h"
 #include "lobe/scene/frames.h"
 #include "lobe/scene/read_scene.h"
 #include "lobe/scene/resolve.h"
+#include "lobe/scene/scene_mesh.h"
 #include "lobe/sim/world.h"
 #include "near.h"
 
@@ -22,7 +24,7 @@ struct Shipped {
   Setup setup;
   explicit Shipped(const std::string& name)
       : scene(read_scene(std::filesystem::path(LOBE_DATA_DIR) / "scenes" / (name + ".json"))),
-        setup(resolve(scene, read_mesh(mesh_path(scene)).mesh).setup) {}
+        setup(resolve(scene, read_scene_mesh(scene).mesh).setup) {}
 
   // after_frame(world), each frame.
   template <class AfterFrame>
@@ -156,4 +158,27 @@ TEST_CASE("jaws that close less hold too little of the lobe, and slip off") {
   const PickedUp piece = pick_up(shipped);
   CHECK(std::abs(piece.rise) < 0.01);
   CHECK(piece.lift < 0.1 * piece.weight);
+}
+
+TEST_CASE("a finger pushes a kidney along under the liver that rests on it") {
+  const Shipped shipped("two_organs");
+  double pushed = 0, lifted = 0, deepest = 0;
+  Vec3d kidney = Vec3d::Zero(), liver = Vec3d::Zero();
+  shipped.play([&](World<float>& world) {
+    const State<float> state = world.state();
+    const std::vector<BodyFigures> bodies =
+        body_figures(world.elements(), state.u.cast<double>(), state.v.cast<double>());
+    if (world.time() < 0.51) {
+      liver = bodies[0].centre;
+      kidney = bodies[1].centre;
+    }
+    pushed = kidney.x() - bodies[1].centre.x();
+    lifted = bodies[0].centre.z() - liver.z();
+    TetMesh now = shipped.setup.mesh;
+    now.points += state.u.cast<double>();
+    for (const BodyOverlap& overlap : body_overlaps(now)) deepest = std::max(deepest, overlap.depth);
+  });
+  CHECK(pushed > 0.025);    // the finger moves on by 0.05 m
+  CHECK(lifted > 0.0002);   // by what is higher under it now
+  CHECK(deepest < 0.0015);  // of the organs in each other
 }

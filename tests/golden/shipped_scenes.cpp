@@ -45,7 +45,7 @@ std::vector<GoldenRun> shipped_scenes() {
   for (const std::string name : {"accuracy_beam", "accuracy_cylinder", "accuracy_liver", "liver_resection",
                                  "liver_declared", "liver_undeclared", "liver_palpation", "liver_pick_up",
                                  "liver_fallen", "liver_incision", "accuracy_undeclared", "kidney_undeclared",
-                                 "liver_crossing", "liver_hands", "liver_scalpel", "ventricle"})
+                                 "liver_crossing", "liver_hands", "liver_scalpel", "two_organs", "ventricle"})
     runs.push_back({name, [name](int threads) {
                       const Scene scene =
                           read_scene(std::filesystem::path(LOBE_DATA_DIR) / "scenes" / (name + ".json"));

@@ -199,7 +199,8 @@ TEST_CASE("a bad request or mesh is one line and exit status 2") {
   check_refused(folder, one_panel(R"({"mesh": "broken.vtu"})"), "broken.vtu");
   check_refused(folder, one_panel(R"({"mesh": "empty.obj"})"), "empty.obj: is empty");
   check_refused(folder, one_panel(R"({"mesh": "tets.vtu", "color": "stress"})"),
-                "there are: none, region, displacement");
+                "there are: none, region, body, displacement");
+  check_refused(folder, one_panel(R"({"mesh": "tets.vtu", "color": "body"})"), "has no cell array \"body\"");
   check_refused(folder, one_panel(R"({"mesh": "tets.vtu", "colour": "none"})"),
                 "/pictures/0/panels/0/colour: unknown key");
   check_refused(folder, one_panel(R"({"mesh": "tets.vtu", "bodies": [{"position": [0, 0, 0]}]})"),

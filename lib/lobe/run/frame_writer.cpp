@@ -117,7 +117,7 @@ void FrameWriter::add_pictures(World<Real>& world, const std::string& frame) {
     std::snprintf(title, sizeof title, "t = %.2f s", world.time());
     Json panel{{"mesh", frame},
                {"title", title},
-               {"color", "region"},
+               {"color", world.elements().bodies.any() ? "body" : "region"},
                {"edges", true},
                {"first", frames_.front().second}};
     if (world.elements().fibres.cols() > 0) panel["fibres"] = true;

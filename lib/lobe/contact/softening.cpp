@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <numeric>
+#include <utility>
 #include <vector>
 
 #include "lobe/mesh/surface.h"
@@ -77,11 +78,9 @@ void begin_moving(Model& model, int degree, Inertia<Real>& inertia) {
   inertia.prepare(model, false, [](Index) { return true; });
 }
 
-}  // namespace
-
 template <class Real>
-double find_softening(const Setup& setup, Inertia<Real> inertia, int degree, const RestFrequencies& at_rest,
-                      Parallel& parallel) {
+double softening_of(const Setup& setup, Inertia<Real> inertia, int degree, const RestFrequencies& at_rest,
+                    Parallel& parallel) {
   Model model{Elements(setup), held_by(setup.prescribed), {}};
   const Elements& elements = model.elements;
   begin_moving(model, degree, inertia);
@@ -110,6 +109,14 @@ double find_softening(const Setup& setup, Inertia<Real> inertia, int degree, con
     return found.omega * found.omega;
   };
   return largest_share(at_rest.omega > 0 ? at_rest.omega * at_rest.omega : square(0), square);
+}
+
+}  // namespace
+
+template <class Real>
+double find_softening(const Setup& setup, Inertia<Real> inertia, int degree, const RestFrequencies& at_rest,
+                      Parallel& parallel) {
+  return softening_of(setup, std::move(inertia), degree, at_rest, parallel);
 }
 
 template double find_softening(const Setup&, Inertia<float>, int, const RestFrequencies&, Parallel&);

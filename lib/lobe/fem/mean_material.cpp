@@ -26,7 +26,8 @@ MeanMaterial mean_material(const Elements& elements, const std::vector<Index>& t
     fibre += e.fibre.times(V);
     structure += V * elements.fibre_of(t) * elements.fibre_of(t).transpose();
   }
-  MeanMaterial mean{.volume = volume};
+  MeanMaterial mean;
+  mean.volume = volume;
   mean.material.lambda = lambda / volume;
   mean.material.mu = mu / volume;
   mean.material.nodal_pressure = nodal_lambda > 0 ? nodal_lambda / lambda : 0;

@@ -45,8 +45,8 @@ Mat3<T> svk_stress(const Mat3<T>& H, const T& lambda, const T& mu)  // first Pio
 // ∂²W/∂u_j² / V = (α·Sα) I + (λ + μ)(Fα)⊗(Fα) + μ (α·α) F Fᵀ at the current state, α = α_j. It is the
 // stiffness that a vertex feels when it moves while its neighbours are held, and determines the time step.
 template <class T>
-LOBE_INLINE Mat3<T> svk_diagonal_block(const Mat3<T>& H, const Vec3<T>& alpha, const T& lambda,
-                                       const T& mu)  // [Pa/m²]
+LOBE_INLINE inline Mat3<T> svk_diagonal_block(const Mat3<T>& H, const Vec3<T>& alpha, const T& lambda,
+                                              const T& mu)  // [Pa/m²]
 {
   const Mat3<T> S = svk_second_stress(H, lambda, mu);
   const Vec3<T> Fa = alpha + H.lazyProduct(alpha);

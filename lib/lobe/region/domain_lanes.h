@@ -59,9 +59,10 @@ Law<T> law_of_domains(const SmoothedArrays<Real>& patch, const Terms& terms, Ind
   Law<T> law = patch.law.template as<T>();
   if (terms.pressure && patch.node_rows) {
     const auto& nodes = patch.node_rows[block].nodes;
-    law.pressure = (T([&](auto lane) { return patch.pressure[nodes[0][first + lane]]; }) +
-                    T([&](auto lane) { return patch.pressure[nodes[1][first + lane]]; })) *
-                   Real(0.5f);
+    const auto at_end = [&](int end) {
+      return T([&, end](auto lane) { return patch.pressure[nodes[end][first + lane]]; });
+    };
+    law.pressure = (at_end(0) + at_end(1)) * Real(0.5f);
   }
   if (terms.fibre)
     for (int i = 0; i < 3; ++i) law.direction[i].copy_from(&patch.fibre_blocks[block].direction[i][first]);

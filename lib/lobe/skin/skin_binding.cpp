@@ -80,7 +80,8 @@ SkinBinding bind(const TexturedSurface& surface, const TetMesh& mesh, SkinMesh& 
   check_corners(surface.normal_of, surface.triangles, -1, surface.normals.cols(), "normal");
   if (surface.triangles.cols() == 0) throw InputError("skin", "has no triangle");
   if (mesh.tet_count() == 0) throw InputError("skin", "the body has no tetrahedron that could carry it");
-  SkinBinding binding{.start = mesh};
+  SkinBinding binding;
+  binding.start = mesh;
   add_vertices(surface, binding, drawn);
   add_texture(surface, binding, drawn);
   binding.lies_on = tets_under(binding.points, binding.corners, binding.start);

@@ -21,7 +21,7 @@ struct StaticOptions {
   // A guess at the solution, 3 × #vertices [m]. If none is given or it leads nowhere, all loads are tried at
   // once from u = 0, then in steps.
   const Mat3X<double>* start = nullptr;
-  std::function<void(double load_fraction)> progress;
+  std::function<void(double load_fraction)> progress = {};
 };
 
 struct StaticResult {

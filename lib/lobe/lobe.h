@@ -17,6 +17,7 @@
 //   organ/        a body that edits itself: cuts, changes of region, grasps, and what follows them
 //   sim/          World: frames, tools, commands, checkpoints
 //   solve/        static equilibrium, implicit steps
+//   fit/          parameters of materials from measurements
 //   linearity/    what linear regions get wrong: regions for declared gestures, corrected while they run
 //   scene/        JSON to plain structs to a setup
 //   io/           meshes in and out
@@ -133,6 +134,7 @@
 #include "lobe/fem/law_of.h"
 #include "lobe/io/mesh_io.h"
 #include "lobe/io/surface_io.h"
+#include "lobe/fit/fit.h"
 #include "lobe/linearity/mass_watch.h"
 #include "lobe/linearity/proposal.h"
 #include "lobe/linearity/reduced_watch.h"

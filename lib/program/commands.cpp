@@ -301,7 +301,7 @@ int regions(const SceneOptions& options) {
   if (loaded.resolved.proposal) print_proposal(*loaded.resolved.proposal);
   std::cout << "written to " << options.output.string() << '\n';
   if (options.picture.empty()) return done;
-  const std::string trouble = draw_regions(options.output, options.picture);
+  const std::string trouble = draw_cells(options.output, "region", options.picture);
   if (!trouble.empty()) print_warnings({trouble});
   return done;
 }

@@ -51,6 +51,22 @@ struct RestOptions {
 };
 int rest(const RestOptions& options);
 
+struct FitCommand {
+  std::vector<std::filesystem::path> scenes, data;  // a table of measurements for each scene
+  std::vector<std::string> parameters{"young_modulus"};
+  std::filesystem::path output;  // the first scene with what was found, if not empty
+  bool json = false;
+};
+int fit(const FitCommand& command);
+
+struct SensitivityCommand {
+  std::filesystem::path scene;
+  std::filesystem::path output;   // a mesh with the sensitivity of each tetrahedron (.vtu), if not empty
+  std::filesystem::path picture;  // of it, if not empty
+  bool json = false;
+};
+int sensitivity(const SensitivityCommand& command);
+
 struct CompareOptions {
   std::filesystem::path a, b;
   bool json = false;

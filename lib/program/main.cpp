@@ -175,6 +175,33 @@ void add_rest(CLI::App& app, RestOptions& options, Action& action) {
   command->callback([&] { action = [&] { return rest(options); }; });
 }
 
+void add_fit(CLI::App& app, FitCommand& fit_command, Action& action) {
+  CLI::App* command =
+      app.add_subcommand("fit", "Parameters of materials from measured displacements, forces, frequencies");
+  command->add_option("SCENE", fit_command.scenes, "scene file; several for several loads")->required();
+  command->add_option("--to", fit_command.data, "table of measurements (.csv), one for each scene")
+      ->required();
+  command
+      ->add_option("--parameters", fit_command.parameters,
+                   "what is searched: MATERIAL.young_modulus, .poisson_ratio, .density, .stiffness, …")
+      ->delimiter(',')
+      ->capture_default_str();
+  command->add_option("-o,--output", fit_command.output, "scene to write with what was found (.json)");
+  command->add_flag("--json", fit_command.json, "print only JSON");
+  command->callback([&] { action = [&] { return fit(fit_command); }; });
+}
+
+void add_sensitivity(CLI::App& app, SensitivityCommand& options, Action& action) {
+  CLI::App* command = app.add_subcommand(
+      "sensitivity", "Which material, held part or model moves the sag and the forces of a scene most");
+  command->add_option("SCENE", options.scene, "scene file")->required();
+  command->add_option("-o,--output", options.output,
+                      "mesh to write with the share of each tetrahedron (.vtu)");
+  command->add_option("--picture", options.picture, "picture of it (.png); needs -o");
+  command->add_flag("--json", options.json, "print only JSON");
+  command->callback([&] { action = [&] { return sensitivity(options); }; });
+}
+
 CLI::App* add_scene_command(CLI::App& app, const char* name, const char* help, SceneOptions& options,
                             Action& action, int (*function)(const SceneOptions&)) {
   CLI::App* command = app.add_subcommand(name, help);
@@ -253,6 +280,10 @@ int main(int argc, char** argv) {
   add_solver(solve_command, options, {"eigen", "cholmod", "petsc"});
   RestOptions rest_options;
   add_rest(app, rest_options, action);
+  FitCommand fit_command;
+  add_fit(app, fit_command, action);
+  SensitivityCommand sensitivity_command;
+  add_sensitivity(app, sensitivity_command, action);
   CompareOptions compare_options;
   add_compare(app, compare_options, action);
   RefineOptions refine_options;

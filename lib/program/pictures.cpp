@@ -16,12 +16,13 @@ std::string render_pictures(const std::filesystem::path& request) {
   return "no pictures: lobe-picture ended with status " + std::to_string(status) + again;
 }
 
-std::string draw_regions(const std::filesystem::path& mesh, const std::filesystem::path& picture) {
+std::string draw_cells(const std::filesystem::path& mesh, const std::string& data,
+                       const std::filesystem::path& picture) {
   std::filesystem::path file = picture;
   file.replace_extension(".json");
   const nlohmann::json panel{{"mesh", std::filesystem::absolute(mesh).string()},
                              {"title", mesh.stem().string()},
-                             {"color", "region"},
+                             {"color", data},
                              {"edges", true}};
   const nlohmann::json request{{"pictures", {{{"out", picture.filename().string()}, {"panels", {panel}}}}}};
   io::write_file(file, request.dump());

@@ -10,7 +10,8 @@ namespace lobe::program {
 // to do about it.
 std::string render_pictures(const std::filesystem::path& request);
 
-// The same for a mesh, coloured by its cell data "region".
-std::string draw_regions(const std::filesystem::path& mesh, const std::filesystem::path& picture);
+// The same for a mesh, coloured by one of its cell data.
+std::string draw_cells(const std::filesystem::path& mesh, const std::string& data,
+                       const std::filesystem::path& picture);
 
 }  // namespace lobe::program

@@ -30,11 +30,12 @@ from ._lobe import (
     run,
     solve,
 )
-from .programs import bench, mesh, read_table, view
+from .programs import bench, fit, mesh, read_table, sensitivity, view
 
 __all__ = [
     "Cautery", "Checkpoint", "Condition", "Difference", "GestureOutcome", "Grasp", "InputError", "Mesh",
     "Probe", "Proposal", "Report", "Scalpel", "Scene", "Snapshot", "StaticResult",
     "Surface", "Transitions", "World", "__version__",
-    "bench", "box_mesh", "compare", "mesh", "propose_regions", "read_checkpoint", "read_mesh", "read_scene", "read_table", "region_models", "run", "solve", "view",
+    "bench", "box_mesh", "compare", "fit", "mesh", "propose_regions", "read_checkpoint", "read_mesh", "read_scene",
+    "read_table", "region_models", "run", "sensitivity", "solve", "view",
 ]

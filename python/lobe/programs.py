@@ -1,6 +1,7 @@
 """What lobe's programs do: meshing (GPL, a program of its own), the page, benchmarks."""
 
 import csv
+import json
 import os
 import pathlib
 import shutil
@@ -22,9 +23,9 @@ def _program():
     raise FileNotFoundError("the program lobe: not found on the path, and LOBE_PROGRAM does not name it")
 
 
-def _run(*arguments):
+def _run(*arguments, allowed=(0,)):
     done = subprocess.run([_program(), *map(str, arguments)], capture_output=True, text=True)
-    if done.returncode != 0:
+    if done.returncode not in allowed:
         text = done.stderr.strip() or done.stdout.strip()
         raise InputError("lobe " + str(arguments[0]) + ": " + text)
     return done.stdout
@@ -76,6 +77,66 @@ def view(scene, *, port=None):
     except BaseException:
         shutil.rmtree(folder)
         raise
+
+
+def _scene_file(scene, folder, number):
+    if not isinstance(scene, Scene):
+        return pathlib.Path(scene)
+    file = folder / f"scene_{number}.json"
+    scene.save(file, chosen_regions=True)
+    return file
+
+
+def _table_file(data, folder, number):
+    if isinstance(data, (str, os.PathLike)):
+        return pathlib.Path(data)
+    file = folder / f"data_{number}.csv"
+    columns = ["quantity", "at", "component", "value", "unit", "sigma"]
+    with open(file, "w", newline="", encoding="utf-8") as out:
+        writer = csv.DictWriter(out, columns, restval="")
+        writer.writeheader()
+        for row in data:
+            unknown = sorted(set(row) - set(columns))
+            if unknown:
+                raise InputError(f"fit: a measurement has the unknown key {unknown[0]!r}; there are {', '.join(columns)}")
+            at = row.get("at", "")
+            at = at if isinstance(at, (str, int)) else " ".join(repr(float(x)) for x in at)
+            writer.writerow(dict(row, at=at))
+    return file
+
+
+def fit(scene, data, *, parameters=("young_modulus",)):
+    """Finds parameters of materials from measurements in static equilibrium, as `lobe fit` does.
+
+    scene: a Scene or a file; or a list of them, one for each load. data: for each scene a file (.csv), or a list of
+    dicts with the keys quantity ("displacement", "force", "frequency"), at (the point at rest [m], the number of the
+    entry of "boundary", the number of the frequency), component ("x", "y", "z", "length"), value, unit and, if known,
+    sigma. parameters: their names, "liver.young_modulus" where there are several materials.
+
+    Returns the dict that `lobe fit --json` prints: "ok", "parameters" (each with "name", "start", "value", "low",
+    "high", "identifiable"), "misfit", "notes" …
+    """
+    if not isinstance(scene, (list, tuple)):
+        scene, data = [scene], [data]
+    if len(scene) != len(data):
+        raise InputError(f"fit: {len(scene)} scenes and {len(data)} tables; each scene needs one")
+    with tempfile.TemporaryDirectory() as folder:
+        folder = pathlib.Path(folder)
+        arguments = [_scene_file(each, folder, i) for i, each in enumerate(scene)]
+        for i, each in enumerate(data):
+            arguments += ["--to", _table_file(each, folder, i)]
+        return json.loads(_run("fit", *arguments, "--parameters", ",".join(parameters), "--json", allowed=(0, 1)))
+
+
+def sensitivity(scene):
+    """Which material, held part or model moves the sag and the forces of a scene most, as `lobe sensitivity` says.
+
+    Returns a list of dicts, one for the weight and one for each grasp: "gesture", "largest_displacement_m",
+    "force_N", "effects" (the largest first; each with "of", "displacement", "largest", "force", all relative) …
+    """
+    with tempfile.TemporaryDirectory() as folder:
+        file = _scene_file(scene, pathlib.Path(folder), 0)
+        return json.loads(_run("sensitivity", file, "--json", allowed=(0, 1)))
 
 
 def read_table(file):

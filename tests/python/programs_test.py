@@ -114,3 +114,29 @@ def test_the_page_of_a_world_is_served(scene, monkeypatch, capfd, tmp_path):
     finally:
         server.terminate()
         assert server.wait(timeout=60) == 0
+
+
+def test_a_modulus_is_found_again_from_a_solution(scene, tip):
+    sag = lobe.solve(scene).u[tip[0], 2]
+    point = scene.mesh.points[tip[0]]
+    measured = [dict(quantity="displacement", at=point, component="z", value=1000 * sag, unit="mm")]
+    guess = lobe.Scene(dict(conftest.BEAM, materials=[{"lame_lambda": 9e4, "lame_mu": 2.25e4, "density": 1000}]), scene.mesh)
+    found = lobe.fit(guess, measured)
+    assert found["ok"]
+    (modulus,) = found["parameters"]
+    assert modulus["start"] == pytest.approx(6.3e4)
+    assert modulus["value"] == pytest.approx(2.8e4, rel=1e-5)
+    assert found["measurements"][0]["computed"] == pytest.approx(sag, rel=1e-6)
+    with pytest.raises(lobe.InputError, match="unknown key 'valeu'"):
+        lobe.fit(guess, [dict(quantity="force", valeu=1)])
+    with pytest.raises(lobe.InputError, match="is no parameter of the scene"):
+        lobe.fit(guess, measured, parameters=["yung"])
+    with pytest.raises(lobe.InputError, match="each scene needs one"):
+        lobe.fit([guess, guess], [measured])
+
+
+def test_density_and_modulus_matter_alike_to_the_sag(scene):
+    (weight,) = lobe.sensitivity(scene)
+    by = {effect["of"]: effect["largest"] for effect in weight["effects"]}
+    assert by["tissue.density + 10 %"] == pytest.approx(-by["tissue.young_modulus + 10 %"], rel=1e-5)
+    assert by["tissue.density + 10 %"] > 0.05

@@ -1,7 +1,9 @@
-// lobe info, lobe convert and lobe refine as their callers use them.
+// lobe info, convert, refine, rest, fit and sensitivity as their callers use them.
 #include <doctest/doctest.h>
 
 #include "lobe/mesh/quality.h"
+#include "lobe/scene/material_constants.h"
+#include "lobe/text.h"
 #include "lobe_command.h"
 #include "near.h"
 #include "run/small_scene.h"
@@ -116,4 +118,39 @@ TEST_CASE(
   CHECK(rest.mesh.labels == given.labels);
   CHECK(lobe_in(folder, "rest scene.json -o rest.vtk").status == 2);
   CHECK(lobe_in(folder, "rest scene.json -o rest.vtu --tolerance 0").status == 2);
+}
+
+TEST_CASE("lobe fit finds the modulus that a solution has, and lobe sensitivity what moves it") {
+  const Folder folder;
+  Json scene = small_scene();
+  write_scene_files(folder, scene);
+  REQUIRE(lobe_in(folder, "solve scene.json -o truth").status == 0);
+  const MeshFile truth = read_mesh(folder.path / "truth" / "solution.vtu");
+  Eigen::Index most = 0;
+  truth.point_data.at("displacement").colwise().norm().maxCoeff(&most);
+  const Vec3d at = truth.mesh.points.col(most), u = truth.point_data.at("displacement").col(most);
+  std::string data = "quantity,at,component,value,unit\n";
+  for (int axis = 0; axis < 3; ++axis)
+    data += "displacement," + exact(at.x()) + ' ' + exact(at.y()) + ' ' + exact(at.z()) + ',' + "xyz"[axis] +
+            ',' + exact(u[axis]) + ",m\n";
+  folder.write("data.csv", data);
+  const double lambda = scene["materials"][0]["lame_lambda"], mu = scene["materials"][0]["lame_mu"];
+  scene["materials"][0]["lame_lambda"] = 2 * lambda;
+  scene["materials"][0]["lame_mu"] = 2 * mu;
+  folder.write("guess.json", scene.dump(1));
+  const Ended fitted = lobe_in(folder, "fit guess.json --to data.csv -o fitted.json --json");
+  REQUIRE_MESSAGE(fitted.status == 0, fitted.err);
+  CHECK(Json::parse(fitted.out)["parameters"][0]["start"].get<double>() ==
+        near(2 * young_modulus(lambda, mu), 1e-12));
+  const Json found = Json::parse(bytes_of(folder.path / "fitted.json"))["materials"][0];
+  CHECK(found["lame_lambda"].get<double>() == near(lambda, 1e-4));
+  CHECK(found["lame_mu"].get<double>() == near(mu, 1e-4));
+  CHECK(lobe_in(folder, "solve fitted.json -o again").status == 0);
+  CHECK(lobe_in(folder, "fit guess.json scene.json --to data.csv").status == 2);
+  CHECK(lobe_in(folder, "fit guess.json --to nothing.csv").status == 2);
+  const Ended table = lobe_in(folder, "sensitivity scene.json -o shares.vtu");
+  CHECK_MESSAGE(table.status == 0, table.err);
+  CHECK(table.out.find("young_modulus + 10 %") != std::string::npos);
+  CHECK(read_mesh(folder.path / "shares.vtu").cell_data.contains("weight"));
+  CHECK(lobe_in(folder, "sensitivity scene.json --picture a.png").status == 2);
 }

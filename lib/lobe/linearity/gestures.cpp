@@ -94,4 +94,18 @@ std::vector<Gesture> usual_gestures(const Setup& setup) {
   return gestures;
 }
 
+std::vector<StaticLoad> static_loads(const Setup& setup) {
+  Setup resting = setup;
+  static_cast<ToolSetups&>(resting) = {};
+  StaticLoad weight{"weight", resting, {}};
+  if (setup.gravity.isZero(0)) {
+    weight.name = "weight, 9.81 m/s² along −z";
+    weight.setup.gravity = {0, 0, -9.81};
+  }
+  std::vector<StaticLoad> loads{std::move(weight)};
+  for (const Gesture& gesture : gestures_of_grasps(setup))
+    loads.push_back({gesture.name, at_the_end_of(gesture, setup), gesture.vertices});
+  return loads;
+}
+
 }  // namespace lobe

@@ -11,26 +11,6 @@
 namespace lobe {
 namespace {
 
-struct Load {
-  std::string name;
-  Setup setup;
-  std::vector<Index> moved;  // vertices that the gesture moves
-};
-
-std::vector<Load> loads_of(const Setup& setup) {
-  Setup resting = setup;
-  static_cast<ToolSetups&>(resting) = {};
-  Load weight{"weight", resting, {}};
-  if (setup.gravity.isZero(0)) {
-    weight.name = "weight, 9.81 m/s² along −z";
-    weight.setup.gravity = {0, 0, -9.81};
-  }
-  std::vector<Load> loads{std::move(weight)};
-  for (const Gesture& gesture : gestures_of_grasps(setup))
-    loads.push_back({gesture.name, at_the_end_of(gesture, setup), gesture.vertices});
-  return loads;
-}
-
 void make_nonlinear(Setup& setup) {
   std::fill(setup.region_of.begin(), setup.region_of.end(), RegionModel::nonlinear);
   setup.precomputed_frame = RegionFrame::fixed;
@@ -63,7 +43,7 @@ class Comparison {
       density_.push_back(setup.materials[setup.material_of[std::size_t(parent)]].density);
   }
 
-  TotalError of(const Load& load) const {
+  TotalError of(const StaticLoad& load) const {
     TotalError error;
     error.name = load.name;
     StaticOptions solver;
@@ -80,7 +60,7 @@ class Comparison {
   }
 
  private:
-  void compare(const Load& load, const StaticResult& found, const StaticResult& truth,
+  void compare(const StaticLoad& load, const StaticResult& found, const StaticResult& truth,
                TotalError& error) const {
     const std::vector<char> at_nodes = nodes_of(load.moved, mesh_);
     const std::vector<char> at_vertices(at_nodes.begin(), at_nodes.begin() + mesh_.vertices);
@@ -100,10 +80,10 @@ class Comparison {
 }  // namespace
 
 std::vector<TotalError> total_errors(const Setup& setup, const TotalErrorOptions& options) {
-  const std::vector<Load> loads = loads_of(setup);
+  const std::vector<StaticLoad> loads = static_loads(setup);
   const Comparison comparison(setup, options);
   std::vector<TotalError> errors;
-  for (const Load& load : loads) {
+  for (const StaticLoad& load : loads) {
     if (options.progress) options.progress(double(errors.size()) / double(loads.size()));
     errors.push_back(comparison.of(load));
   }

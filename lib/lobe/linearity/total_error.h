@@ -28,10 +28,8 @@ struct TotalErrorOptions {
   std::function<void(double fraction)> progress = {};
 };
 
-// First for the weight of the body (by the setup's gravity, or 9.81 m/s² along −z if it has none), then for
-// each grasp at its furthest place; the loads of the setup act in all of them. Corotated regions, which have
-// no static solution, count as non-linear. Throws InputError if the setup is inconsistent or the body is not
-// held.
+// For each of static_loads() (gestures.h). Corotated regions, which have no static solution, count as
+// non-linear. Throws InputError if the setup is inconsistent or the body is not held.
 std::vector<TotalError> total_errors(const Setup& setup, const TotalErrorOptions& options = {});
 
 // A table for people.

@@ -1,0 +1,58 @@
+// Finds the parameters of materials from measurements in static equilibrium, and says how well they are
+// known.
+//
+// Weighted least squares by the method of Levenberg and Marquardt, on scales on which a parameter cannot
+// leave its range. Derivatives are exact ones of the discrete equilibrium (solve/static_sensitivity.h), so
+// that a step costs one more factor for all parameters of a scene. Confidence intervals are those of the
+// problem linearised at the solution, with Student's t (G. A. F. Seber, C. J. Wild, Nonlinear Regression,
+// 1989, section 5).
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "lobe/fit/observe.h"
+#include "lobe/fit/parameters.h"
+
+namespace lobe {
+
+// One loading of the body: its scene, and what was measured under it.
+struct FitCase {
+  Setup setup;
+  Observations observed;
+  std::vector<Parameter> parameters;  // the same names in the same order in all cases
+};
+
+struct FitOptions {
+  int most_iterations = 60;
+  double tolerance = 1e-7;  // of a step, on the scales of the parameters
+  StaticOptions statics = {};
+  std::function<void(int iteration, double misfit)> progress = {};  // misfit as in FitResult
+};
+
+struct FittedParameter {
+  std::string name;
+  double start = 0, value = 0;
+  double low = 0, high = 0;  // of the confidence interval of 95 %; all that is possible if not identifiable
+  // Whether the measurements tell it apart from the others: a change by a factor e shows above the noise.
+  bool is_identifiable = true;
+};
+
+struct FitResult {
+  bool converged = false;
+  std::string reason;  // why not, in one line
+  std::vector<FittedParameter> parameters;
+  std::vector<Eigen::VectorXd> values;  // of each case, at the solution, as its measurements [m], [N], [Hz]
+  // Root of the mean square of what is left: in standard deviations where these are told, else relative to
+  // the root mean square of the measurements of that quantity.
+  double misfit = 0, misfit_at_start = 0;
+  int iterations = 0;
+  std::vector<std::string> notes;  // what the measurements do not tell, one line each
+};
+
+// Throws InputError if there are fewer measurements than parameters, if the scene has no equilibrium at the
+// start, and as solve_static() does.
+FitResult fit(const std::vector<FitCase>& cases, const FitOptions& options = {});
+
+}  // namespace lobe

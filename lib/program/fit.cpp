@@ -1,0 +1,125 @@
+// `lobe fit`: the parameters of materials from measurements.
+#include "lobe/fit/fit.h"
+
+#include <cmath>
+#include <cstdio>
+#include <iostream>
+#include <nlohmann/json.hpp>
+
+#include "commands.h"
+#include "console.h"
+#include "lobe/error.h"
+#include "lobe/file/atomic_file.h"
+#include "lobe/io/mesh_io.h"
+#include "lobe/scene/bind_groups.h"
+#include "lobe/scene/read_scene.h"
+#include "lobe/scene/resolve.h"
+#include "lobe/scene/write_scene.h"
+#include "lobe/text.h"
+
+namespace lobe::program {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Resolved load(const Scene& scene, Scene& bound) {
+  bound = scene;
+  MeshFile file = read_mesh(mesh_path(bound));
+  bind_groups(file, bound);
+  print_warnings(file.warnings());
+  Resolved resolved = resolve(bound, std::move(file.mesh), {false});
+  print_warnings(resolved.warnings);
+  return resolved;
+}
+
+std::vector<FitCase> load_cases(const FitCommand& command, std::vector<Scene>& scenes) {
+  if (command.data.size() != command.scenes.size())
+    throw InputError("--to", "needs one table for each scene: there are " +
+                                 std::to_string(command.scenes.size()) + " scene(s) and " +
+                                 std::to_string(command.data.size()) + " table(s)");
+  std::vector<FitCase> cases;
+  for (std::size_t i = 0; i < command.scenes.size(); ++i) {
+    scenes.push_back(read_scene(command.scenes[i]));
+    std::vector<Measurement> measured = read_measurements(command.data[i]);
+    Scene bound;
+    Resolved resolved = load(scenes.back(), bound);
+    Observations observed(resolved, std::move(measured), command.data[i].string());
+    cases.push_back(
+        {std::move(resolved.setup), std::move(observed), find_parameters(scenes.back(), command.parameters)});
+  }
+  return cases;
+}
+
+// What is not finite, as the interval of what the measurements do not tell, becomes null.
+Json finite(double value) { return std::isfinite(value) ? Json(value) : Json(); }
+
+Json json_of(const FitResult& found, const std::vector<FitCase>& cases) {
+  Json parameters = Json::array(), measurements = Json::array();
+  for (const FittedParameter& p : found.parameters)
+    parameters.push_back({{"name", p.name},
+                          {"start", p.start},
+                          {"value", p.value},
+                          {"low", finite(p.low)},
+                          {"high", finite(p.high)},
+                          {"identifiable", p.is_identifiable}});
+  for (std::size_t c = 0; c < cases.size(); ++c)
+    for (std::size_t i = 0; i < cases[c].observed.measurements().size(); ++i) {
+      const Measurement& m = cases[c].observed.measurements()[i];
+      measurements.push_back({{"case", c},
+                              {"line", m.line},
+                              {"measured", m.value},
+                              {"computed", found.values[c][Eigen::Index(i)]}});
+    }
+  return {{"ok", found.converged},
+          {"reason", found.reason},
+          {"parameters", parameters},
+          {"misfit", found.misfit},
+          {"misfit_at_start", found.misfit_at_start},
+          {"iterations", found.iterations},
+          {"notes", found.notes},
+          {"measurements", measurements}};
+}
+
+void print(const FitResult& found) {
+  std::printf("%-32s %12s %12s   %s\n", "parameter", "start", "fitted", "95 % interval");
+  for (const FittedParameter& p : found.parameters) {
+    const std::string interval = p.is_identifiable ? rounded(p.low) + " to " + rounded(p.high) : "not told";
+    std::printf("%-32s %12s %12s   %s\n", p.name.c_str(), rounded(p.start).c_str(), rounded(p.value).c_str(),
+                interval.c_str());
+  }
+  std::printf("misfit %s, at the start %s, after %d iterations\n", rounded(found.misfit).c_str(),
+              rounded(found.misfit_at_start).c_str(), found.iterations);
+  for (const std::string& note : found.notes) std::printf("note: %s\n", note.c_str());
+}
+
+void write_fitted(const FitCommand& command, Scene scene, const FitResult& found) {
+  const std::vector<Parameter> parameters = find_parameters(scene, command.parameters);
+  for (std::size_t j = 0; j < parameters.size(); ++j)
+    set(parameters[j], found.parameters[j].value, scene.materials[parameters[j].material]);
+  scene.mesh = std::filesystem::absolute(mesh_path(scene));
+  if (!scene.skin.empty()) scene.skin = std::filesystem::absolute(skin_path(scene));
+  io::write_file(command.output, to_json(scene) + '\n');
+}
+
+}  // namespace
+
+int fit(const FitCommand& command) {
+  std::vector<Scene> scenes;
+  const std::vector<FitCase> cases = load_cases(command, scenes);
+  FitOptions options;
+  options.statics.factor = linked_solver.make;
+  options.progress = [&](int iteration, double misfit) {
+    if (!command.json) std::printf("%3d  misfit %s\n", iteration, rounded(misfit).c_str());
+    std::fflush(stdout);
+  };
+  const FitResult found = lobe::fit(cases, options);
+  if (command.json)
+    std::cout << json_of(found, cases).dump(1, ' ', false, Json::error_handler_t::replace) << '\n';
+  else
+    print(found);
+  if (!found.converged) print_errors(found.reason);
+  if (!command.output.empty() && found.converged) write_fitted(command, scenes[0], found);
+  return found.converged ? done : ended_early;
+}
+
+}  // namespace lobe::program

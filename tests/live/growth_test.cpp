@@ -67,7 +67,7 @@ TEST_CASE("a tool that is led costs a session 40 bytes per frame") {
   CHECK(replays(session, setup));
 }
 
-TEST_CASE("a tool that was taken away leaves the lists that a frame looks at, and costs at most 1700 bytes") {
+TEST_CASE("a tool that was taken away leaves the lists that a frame looks at, and costs at most 1200 bytes") {
   const Setup setup = small_body();
   Session<float> session(setup, with_little_memory());
   Controller mouse = session.connect("mouse");
@@ -77,7 +77,7 @@ TEST_CASE("a tool that was taken away leaves the lists that a frame looks at, an
     if (i % 10 == 5) mouse.send(lead_to(corner + Vec3d(0, 0, 1e-3)));
     if (i % 10 == 9) mouse.send(ask(Kind::let_go));
   });
-  CHECK(10 * per_frame < 1700);
+  CHECK(10 * per_frame < 1200);
   CHECK(session.world().tools().lists().grasps.size() <= 2);
   const auto paths = session.world().tools().live_paths().grasps;
   CHECK(paths.size() == 2600);

@@ -104,7 +104,7 @@ Setup two_blocks() {
   return setup;
 }
 
-// A block of soft tissue, held at x = 0; with a slit at x = 20 mm from above to half of its depth, or without.
+// A block of soft tissue, held at x = 0; with or without a slit at x = 20 mm to half of its depth.
 Setup slit_block(bool has_slit) {
   TetMesh mesh = box_mesh({0.04, 0.04, 0.02}, 12, 6, 6);
   if (has_slit) {

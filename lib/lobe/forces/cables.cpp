@@ -3,8 +3,18 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <numeric>
+#include <utility>
 
 namespace lobe {
+namespace {
+
+Index root_of(std::vector<Index>& root, Index i) {
+  while (root[std::size_t(i)] != i) i = root[std::size_t(i)] = root[std::size_t(root[std::size_t(i)])];
+  return i;
+}
+
+}  // namespace
 
 void Cables::clear() {
   points_.clear();
@@ -12,6 +22,7 @@ void Cables::clear() {
   chains_.clear();
   couplings_.clear();
   coupling_begin_.assign(1, 0);
+  clusters_.clear();
 }
 
 Index Cables::add_point(double holds) {
@@ -24,6 +35,67 @@ void Cables::add_chain(const std::vector<Span>& spans, bool is_closed) {
   spans_.insert(spans_.end(), spans.begin(), spans.end());
   chains_.push_back({begin, Index(spans_.size()), is_closed});
   coupling_begin_.resize(spans_.size() + 1, coupling_begin_.back());
+  clusters_.clear();
+}
+
+// ---- Clusters
+
+void Cables::find_clusters() {
+  root_.resize(chains_.size());
+  std::iota(root_.begin(), root_.end(), Index(0));
+  const auto join = [&](Index a, Index b) {  // the first chain is the root
+    a = root_of(root_, a);
+    b = root_of(root_, b);
+    root_[std::size_t(std::max(a, b))] = std::min(a, b);
+  };
+  chain_of_.resize(spans_.size());
+  chain_at_.assign(points_.size(), -1);
+  for (Index c = 0; c < Index(chains_.size()); ++c)
+    for (Index s = chains_[std::size_t(c)].begin; s < chains_[std::size_t(c)].end; ++s) {
+      chain_of_[std::size_t(s)] = c;
+      for (const Index p : {spans_[std::size_t(s)].p, spans_[std::size_t(s)].q}) {
+        Index& at = chain_at_[std::size_t(p)];
+        if (at < 0) at = c;
+        join(at, c);
+      }
+    }
+  for (std::size_t s = 0; s < spans_.size(); ++s)
+    for (Index i = coupling_begin_[s]; i < coupling_begin_[s + 1]; ++i)
+      join(chain_of_[s], chain_of_[std::size_t(couplings_[std::size_t(i)].span)]);
+  for (Index c = 0; c < Index(root_.size()); ++c) root_[std::size_t(c)] = root_of(root_, c);
+  list_clusters();
+}
+
+void Cables::list_clusters() {
+  const auto root_at = [&](Index p) { return root_[std::size_t(chain_at_[std::size_t(p)])]; };
+  chains_of_.resize(chains_.size());
+  std::iota(chains_of_.begin(), chains_of_.end(), Index(0));
+  std::sort(chains_of_.begin(), chains_of_.end(), [&](Index a, Index b) {
+    return std::pair(root_[std::size_t(a)], a) < std::pair(root_[std::size_t(b)], b);
+  });
+  points_of_.clear();
+  for (Index p = 0; p < Index(points_.size()); ++p)
+    if (chain_at_[std::size_t(p)] >= 0) points_of_.push_back(p);
+  std::sort(points_of_.begin(), points_of_.end(),
+            [&](Index a, Index b) { return std::pair(root_at(a), a) < std::pair(root_at(b), b); });
+  clusters_.clear();
+  Index span = 0, p = 0;
+  for (std::size_t i = 0; i < chains_of_.size();) {
+    const Index root = root_[std::size_t(chains_of_[i])];
+    Cluster cluster{Index(i), Index(i), p, p, span, 0, span};
+    for (; i < chains_of_.size() && root_[std::size_t(chains_of_[i])] == root; ++i) {
+      const Chain& chain = chains_[std::size_t(chains_of_[i])];
+      span += chain.end - chain.begin;
+    }
+    while (p < Index(points_of_.size()) && root_at(points_of_[std::size_t(p)]) == root) ++p;
+    cluster.chains_end = Index(i);
+    cluster.points_end = p;
+    cluster.spans = span - cluster.begin;
+    clusters_.push_back(cluster);
+  }
+  order_.resize(spans_.size());
+  run_of_.resize(spans_.size());
+  runs_.resize(spans_.size());  // a cluster has no more runs than spans
 }
 
 void Cables::place() {
@@ -54,6 +126,7 @@ double Cables::energy() const {
 // ---- The equations
 
 void Cables::solve(double dt, double push) {
+  if (clusters_.empty()) find_clusters();
   place();
   const std::size_t count = spans_.size();
   for (auto* per_span : {&wanted_, &ratio_, &share_, &through_, &compliance_}) per_span->assign(count, 0);
@@ -76,9 +149,11 @@ void Cables::solve(double dt, double push) {
     point.along.setZero();
   }
   find_friction();
-  solve_slips();
   constexpr int most_tries = 12;
-  for (int i = 0; i < most_tries && give_way(); ++i) solve_slips();
+  for (Cluster& cluster : clusters_) {
+    solve_slips(cluster);
+    for (int i = 0; i < most_tries && give_way(cluster); ++i) solve_slips(cluster);
+  }
 }
 
 // e^(μθ) where each span passes into the next.
@@ -97,29 +172,39 @@ void Cables::find_friction() {
 }
 
 // What slips into a span makes it softer. So the compliances are those of the lengths that the spans get.
-void Cables::solve_slips() {
-  const int most_tries = 8 + 3 * int(spans_.size());
+void Cables::solve_slips(Cluster& cluster) {
+  const int most_tries = 8 + 3 * int(cluster.spans);
   constexpr int most_lengths = 20;
   for (int k = 0; k < most_lengths; ++k) {
     for (int i = 0; i < most_tries; ++i) {
-      find_runs();
-      find_tensions();
-      if (!find_slips()) break;
+      find_runs(cluster);
+      find_tensions(cluster);
+      if (!find_slips(cluster)) break;
     }
-    if (!update_compliances()) break;
+    if (!update_compliances(cluster)) break;
   }
-  sum_forces();
+  sum_forces(cluster);
+}
+
+void Cables::sum_forces(const Cluster& cluster) {
+  for (Index i = cluster.points_begin; i < cluster.points_end; ++i)
+    points_[std::size_t(points_of_[std::size_t(i)])].force.setZero();
+  for_spans(cluster, [&](std::size_t s) {
+    const Span& span = spans_[s];
+    points_[std::size_t(span.p)].force += span.tension * span.along;
+    points_[std::size_t(span.q)].force -= span.tension * span.along;
+  });
 }
 
 // False if none has changed.
-bool Cables::update_compliances() {
+bool Cables::update_compliances(const Cluster& cluster) {
   constexpr double tolerance = 1e-13;
   bool any = false;
-  for (std::size_t s = 0; s < spans_.size(); ++s) {
+  for_spans(cluster, [&](std::size_t s) {
     const double now = spans_[s].compliance(spans_[s].length + spans_[s].longer);
     any = any || std::abs(now - compliance_[s]) > tolerance * now;
     compliance_[s] = now;
-  }
+  });
   return any;
 }
 
@@ -142,34 +227,35 @@ void Cables::stick_one(const Chain& chain) {
   spans_[std::size_t(found)].slip = 0;
 }
 
+void Cables::find_runs(Cluster& cluster) {
+  cluster.runs_end = cluster.begin;
+  Index at = cluster.begin;  // in order_
+  for (Index i = cluster.chains_begin; i < cluster.chains_end; ++i)
+    find_runs_of(chains_[std::size_t(chains_of_[std::size_t(i)])], cluster, at);
+}
+
 // A closed chain begins behind a point that sticks; without friction, anywhere.
-void Cables::find_runs() {
-  order_.clear();
-  runs_.clear();
-  run_of_.resize(spans_.size());
-  for (const Chain& chain : chains_) {
-    Index first = chain.begin;
-    if (chain.is_closed) stick_one(chain);
-    if (chain.is_closed)
-      for (Index s = chain.begin; s < chain.end; ++s)
-        if (spans_[std::size_t(s)].slip == 0) first = next(chain, s);
-    Index before = -1;
-    for (Index i = chain.begin, s = first; i < chain.end; ++i, s = next(chain, s)) {
-      const bool is_joined = before >= 0 && spans_[std::size_t(before)].slip != 0;
-      if (!is_joined) {
-        const auto at = Index(order_.size());
-        runs_.push_back({at, at, spans_[std::size_t(s)].tension, 0});
-        share_[std::size_t(s)] = 1;
-      } else {
-        const double ratio = ratio_[std::size_t(before)];
-        share_[std::size_t(s)] =
-            share_[std::size_t(before)] * (spans_[std::size_t(before)].slip > 0 ? ratio : 1 / ratio);
-      }
-      run_of_[std::size_t(s)] = Index(runs_.size()) - 1;
-      order_.push_back(s);
-      runs_.back().end = Index(order_.size());
-      before = s;
+void Cables::find_runs_of(const Chain& chain, Cluster& cluster, Index& at) {
+  Index first = chain.begin;
+  if (chain.is_closed) stick_one(chain);
+  if (chain.is_closed)
+    for (Index s = chain.begin; s < chain.end; ++s)
+      if (spans_[std::size_t(s)].slip == 0) first = next(chain, s);
+  Index before = -1;
+  for (Index i = chain.begin, s = first; i < chain.end; ++i, s = next(chain, s)) {
+    const bool is_joined = before >= 0 && spans_[std::size_t(before)].slip != 0;
+    if (!is_joined) {
+      runs_[std::size_t(cluster.runs_end++)] = {at, at, spans_[std::size_t(s)].tension, 0};
+      share_[std::size_t(s)] = 1;
+    } else {
+      const double ratio = ratio_[std::size_t(before)];
+      share_[std::size_t(s)] =
+          share_[std::size_t(before)] * (spans_[std::size_t(before)].slip > 0 ? ratio : 1 / ratio);
     }
+    run_of_[std::size_t(s)] = cluster.runs_end - 1;
+    order_[std::size_t(at)] = s;
+    runs_[std::size_t(cluster.runs_end - 1)].end = ++at;
+    before = s;
   }
 }
 
@@ -181,26 +267,30 @@ double Cables::residual(Index s) const {
   return sum;
 }
 
-// Gauss-Seidel over the runs.
-void Cables::find_tensions() {
-  for (Run& run : runs_) {
-    run.compliance = 0;
-    const Index own = Index(&run - runs_.data());
-    for (Index at = run.begin; at < run.end; ++at) {
-      const auto s = std::size_t(order_[std::size_t(at)]);
-      run.compliance += compliance_[s] * share_[s];
-      for (Index i = coupling_begin_[s]; i < coupling_begin_[s + 1]; ++i) {
-        const auto r = std::size_t(couplings_[std::size_t(i)].span);
-        if (run_of_[r] == own) run.compliance += inertance_[std::size_t(i)] * share_[r];
-      }
-      spans_[s].tension = share_[s] * run.tension;
+// Of the run's own equation; its spans get their shares of its tension.
+void Cables::find_compliance(Run& run) {
+  run.compliance = 0;
+  const Index own = Index(&run - runs_.data());
+  for (Index at = run.begin; at < run.end; ++at) {
+    const auto s = std::size_t(order_[std::size_t(at)]);
+    run.compliance += compliance_[s] * share_[s];
+    for (Index i = coupling_begin_[s]; i < coupling_begin_[s + 1]; ++i) {
+      const auto r = std::size_t(couplings_[std::size_t(i)].span);
+      if (run_of_[r] == own) run.compliance += inertance_[std::size_t(i)] * share_[r];
     }
+    spans_[s].tension = share_[s] * run.tension;
   }
+}
+
+// Gauss-Seidel over the runs of a cluster. One sweep solves a run that is alone.
+void Cables::find_tensions(const Cluster& cluster) {
+  const std::span<Run> own = runs(cluster);
+  for (Run& run : own) find_compliance(run);
   constexpr int most_sweeps = 200;
   constexpr double tolerance = 1e-13;
   for (int sweep = 0; sweep < most_sweeps; ++sweep) {
     double change = 0, largest = 0;
-    for (Run& run : runs_) {
+    for (Run& run : own) {
       double sum = 0;
       for (Index at = run.begin; at < run.end; ++at) sum += residual(order_[std::size_t(at)]);
       const double before = run.tension;
@@ -212,7 +302,7 @@ void Cables::find_tensions() {
       change = std::max(change, std::abs(run.tension - before));
       largest = std::max(largest, run.tension);
     }
-    if (change <= tolerance * largest) break;
+    if (own.size() == 1 || change <= tolerance * largest) break;
   }
 }
 
@@ -220,8 +310,8 @@ void Cables::find_tensions() {
 
 // Finds how far each run slips at its points. True if some points are to slip that did not, or the other way
 // round.
-bool Cables::find_slips() {
-  for (const Run& run : runs_) {
+bool Cables::find_slips(const Cluster& cluster) {
+  for (const Run& run : runs(cluster)) {
     double sum = 0;
     for (Index at = run.begin; at < run.end; ++at) {
       const Index s = order_[std::size_t(at)];
@@ -232,7 +322,8 @@ bool Cables::find_slips() {
     }
   }
   bool any = false;
-  for (const Chain& chain : chains_) any = change_slips(chain) || any;
+  for (Index i = cluster.chains_begin; i < cluster.chains_end; ++i)
+    any = change_slips(chains_[std::size_t(chains_of_[std::size_t(i)])]) || any;
   return any;
 }
 
@@ -264,70 +355,82 @@ bool Cables::change_slips(const Chain& chain) {
 
 Cables::Losses Cables::slip() {
   Losses losses;
-  for (const Run& run : runs_) {
-    if (run.end == run.begin + 1) continue;
-    double sum = 0, missing = 0, spare = 0;
-    for (Index at = run.begin; at < run.end; ++at) {
-      Span& span = spans_[std::size_t(order_[std::size_t(at)])];
-      if (run.tension > 0) {
-        const bool is_last = at + 1 == run.end;
-        span.length += is_last ? -sum : span.longer;
-        sum += span.longer;
-        if (is_last) continue;
-        const Span& other = spans_[std::size_t(order_[std::size_t(at) + 1])];
-        losses.friction += std::abs(sum) * std::abs(span.energy_per_length(other.tension) -
-                                                    span.energy_per_length(span.tension));
-      } else {
-        const double slack = -wanted_[std::size_t(order_[std::size_t(at)])];
-        (slack < 0 ? missing : spare) += std::abs(slack);
-        if (span.friction > 0) span.slip = 0;
-      }
-    }
-    if (missing == 0 || run.tension > 0) continue;
-    for (Index at = run.begin; at < run.end; ++at) {  // what is slack passes into what is taut
-      const Index s = order_[std::size_t(at)];
-      const double slack = -wanted_[std::size_t(s)];
-      spans_[std::size_t(s)].length -= slack < 0 ? slack : slack * missing / spare;
-    }
-  }
+  for (const Cluster& cluster : clusters_)
+    for (const Run& run : runs(cluster))
+      if (run.end > run.begin + 1) slip_run(run, losses);
   for (const Point& point : points_) losses.cut += point.force.norm() * point.way;
   return losses;
 }
 
+void Cables::slip_run(const Run& run, Losses& losses) {
+  double sum = 0, missing = 0, spare = 0;
+  for (Index at = run.begin; at < run.end; ++at) {
+    const Index s = order_[std::size_t(at)];
+    Span& span = spans_[std::size_t(s)];
+    if (run.tension > 0) {
+      const bool is_last = at + 1 == run.end;
+      span.length += is_last ? -sum : span.longer;
+      sum += span.longer;
+      if (is_last) continue;
+      const Span& other = spans_[std::size_t(order_[std::size_t(at) + 1])];
+      losses.friction += std::abs(sum) * std::abs(span.energy_per_length(other.tension) -
+                                                  span.energy_per_length(span.tension));
+    } else {
+      const double slack = -residual(s);
+      (slack < 0 ? missing : spare) += std::abs(slack);
+      if (span.friction > 0) span.slip = 0;
+    }
+  }
+  if (missing == 0 || !(spare >= missing) || run.tension > 0) return;
+  for (Index at = run.begin; at < run.end; ++at) {  // what is slack passes into what is taut
+    const Index s = order_[std::size_t(at)];
+    const double slack = -residual(s);
+    spans_[std::size_t(s)].length -= slack < 0 ? slack : slack * missing / spare;
+  }
+}
+
 // ---- Tissue that gives way
 
+// Of the force on a point along its way, per length of that [N/m].
+double Cables::give_way_slope(const Cluster& cluster, Index p) const {
+  const Point& point = points_[std::size_t(p)];
+  const auto pull = [&](const Span& of) {  // from the point, on it
+    double sum = 0;
+    if (of.p == p) sum += of.along.dot(point.along);
+    if (of.q == p) sum -= of.along.dot(point.along);
+    return sum;
+  };
+  double slope = 0;
+  for_spans(cluster, [&](std::size_t s) {
+    const Span& span = spans_[s];
+    if (span.tension == 0 || (span.p != p && span.q != p)) return;
+    const Run& run = runs_[std::size_t(run_of_[s])];
+    for (Index at = run.begin; at < run.end; ++at)
+      slope += share_[s] * pull(span) * pull(spans_[std::size_t(order_[std::size_t(at)])]) / run.compliance;
+  });
+  return slope;
+}
+
 // Moves points on which more acts than their tissue holds, by Newton's rule. False if there is none.
-bool Cables::give_way() {
+bool Cables::give_way(const Cluster& cluster) {
   constexpr double tolerance = 1e-9;
   bool any = false;
-  for (std::size_t p = 0; p < points_.size(); ++p) {
-    Point& point = points_[p];
+  for (Index i = cluster.points_begin; i < cluster.points_end; ++i) {
+    const Index p = points_of_[std::size_t(i)];
+    Point& point = points_[std::size_t(p)];
     const double force = point.force.norm(), above = force - point.holds;
     if (!(std::abs(above) > tolerance * point.holds) || (above < 0 && point.way == 0)) continue;
     if (point.way == 0) point.along = point.force / force;
-    double slope = 0;  // of the force on the way [N/m]
-    for (std::size_t s = 0; s < spans_.size(); ++s) {
-      const Span& span = spans_[s];
-      if (span.tension == 0 || (span.p != Index(p) && span.q != Index(p))) continue;
-      const auto pull = [&](const Span& of) {  // from the point, on it
-        double sum = 0;
-        if (of.p == Index(p)) sum += of.along.dot(point.along);
-        if (of.q == Index(p)) sum -= of.along.dot(point.along);
-        return sum;
-      };
-      const Run& run = runs_[std::size_t(run_of_[s])];
-      for (Index at = run.begin; at < run.end; ++at)
-        slope += share_[s] * pull(span) * pull(spans_[std::size_t(order_[std::size_t(at)])]) / run.compliance;
-    }
+    const double slope = give_way_slope(cluster, p);
     if (!(slope > 0)) continue;
     const double way = std::max(0.0, point.way + above / slope), more = way - point.way;
     if (more == 0) continue;
     point.way = way;
     any = true;
-    for (std::size_t s = 0; s < spans_.size(); ++s) {
-      if (spans_[s].p == Index(p)) wanted_[s] -= more * spans_[s].along.dot(point.along);
-      if (spans_[s].q == Index(p)) wanted_[s] += more * spans_[s].along.dot(point.along);
-    }
+    for_spans(cluster, [&](std::size_t s) {
+      if (spans_[s].p == p) wanted_[s] -= more * spans_[s].along.dot(point.along);
+      if (spans_[s].q == p) wanted_[s] += more * spans_[s].along.dot(point.along);
+    });
   }
   return any;
 }

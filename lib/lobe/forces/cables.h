@@ -16,6 +16,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <span>
 #include <vector>
 
 #include "lobe/types.h"
@@ -72,7 +73,6 @@ class Cables {
   const std::vector<Point>& points() const { return points_; }
   std::vector<Span>& spans() { return spans_; }
   const std::vector<Span>& spans() const { return spans_; }
-  const std::vector<Chain>& chains() const { return chains_; }
 
   void place();       // S and t of each span, from the positions of the points
   void sum_forces();  // on points, from the tensions
@@ -93,16 +93,42 @@ class Cables {
     double compliance = 0;     // of its equation
   };
 
+  // Chains that share a point, or act on each other by mobility. Each cluster is solved by itself.
+  struct Cluster {
+    Index chains_begin = 0, chains_end = 0;  // in chains_of_
+    Index points_begin = 0, points_end = 0;  // in points_of_
+    Index begin = 0, spans = 0;              // its spans in order_; its runs begin there in runs_
+    Index runs_end = 0;                      // in runs_
+  };
+
+  void find_clusters();
+  void list_clusters();
+  template <class Visit>  // visit(number of a span), chain by chain
+  void for_spans(const Cluster& cluster, const Visit& visit) const {
+    for (Index i = cluster.chains_begin; i < cluster.chains_end; ++i) {
+      const Chain& chain = chains_[std::size_t(chains_of_[std::size_t(i)])];
+      for (Index s = chain.begin; s < chain.end; ++s) visit(std::size_t(s));
+    }
+  }
+  std::span<Run> runs(const Cluster& cluster) {
+    return std::span(runs_).subspan(std::size_t(cluster.begin),
+                                    std::size_t(cluster.runs_end - cluster.begin));
+  }
   void find_friction();
   void stick_one(const Chain& chain);
-  void find_runs();
-  void find_tensions();
+  void find_runs(Cluster& cluster);
+  void find_runs_of(const Chain& chain, Cluster& cluster, Index& at);
+  void find_compliance(Run& run);
+  void find_tensions(const Cluster& cluster);
   double residual(Index span) const;
-  bool find_slips();
+  bool find_slips(const Cluster& cluster);
   bool change_slips(const Chain& chain);
-  bool give_way();
-  void solve_slips();
-  bool update_compliances();
+  void slip_run(const Run& run, Losses& losses);
+  bool give_way(const Cluster& cluster);
+  double give_way_slope(const Cluster& cluster, Index point) const;
+  void solve_slips(Cluster& cluster);
+  void sum_forces(const Cluster& cluster);
+  bool update_compliances(const Cluster& cluster);
   Index next(const Chain& chain, Index span) const {
     if (span + 1 < chain.end) return span + 1;
     return chain.is_closed ? chain.begin : -1;
@@ -123,7 +149,10 @@ class Cables {
   std::vector<double> through_;     // the slip at q into the next span [m]
   std::vector<Index> order_;        // spans, run by run
   std::vector<Index> run_of_;       // per span
-  std::vector<Run> runs_;
+  std::vector<Run> runs_;           // those of a cluster from its `begin` on
+  std::vector<Cluster> clusters_;   // in the order of their first chains; none: they are to be found
+  std::vector<Index> chains_of_, points_of_;       // cluster by cluster, ascending
+  std::vector<Index> root_, chain_of_, chain_at_;  // per chain, span, point: scratch of find_clusters()
 };
 
 template <class Mobility>
@@ -143,6 +172,7 @@ void Cables::couple(const Mobility& mobility) {
     }
     coupling_begin_.push_back(Index(couplings_.size()));
   }
+  find_clusters();
 }
 
 }  // namespace lobe

@@ -84,6 +84,7 @@ EmbeddedPoint moved_through(const EmbeddedPoint& point, const Vec3d& x, const El
     if (next < 0) return {};
     moved = {next, barycentric(corners_now(next), x)};
   }
+  if (!moved.is_valid()) return point;  // in a flat tetrahedron: it stays where it is
   if (!grains) return moved;
   const double rounding = 1e-6 * grains->mean_edge();
   const Vec3d X = rest_position(moved, elements);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace lobe {
 
@@ -22,11 +23,16 @@ Thread planned(const StitchSetup& stitch, int number) {
 bool Thread::is_valid() const {
   const auto count = Index(bites.size());
   bool valid = spans.size() == (bites.empty() ? 0 : bites.size() - 1) && hand.from.allFinite() &&
-               hand.to.allFinite() && hand.target.allFinite();
+               hand.to.allFinite() && hand.target.allFinite() && (!hand.holds || !bites.empty());
+  Index number = -1;
+  for (const ThreadBite& bite : bites) {
+    valid = valid && bite.number > number && bite.number < std::numeric_limits<Index>::max();
+    number = bite.number;
+  }
   Index before = 0;
   for (const ThreadKnot& knot : knots) {
     valid = valid && knot.from >= before && knot.from < knot.to && knot.to < count && knot.to_tighten >= 0 &&
-            knot.rate >= 0;
+            std::isfinite(knot.to_tighten) && knot.rate >= 0 && std::isfinite(knot.rate);
     before = knot.to;
   }
   material.check([&](bool holds, const std::string&) { valid = valid && holds; }, "");
@@ -40,6 +46,15 @@ Index Thread::find(Index number) const {
 }
 
 void Thread::remove_bite(Index at) {
+  const Index last = Index(bites.size()) - 1;
+  const double before = at > 0 ? spans[std::size_t(at) - 1].length : 0,
+               behind = at < last ? spans[std::size_t(at)].length : 0;
+  for (ThreadKnot& knot : knots) {  // what led to the bite stays in its loop
+    if (at == knot.from) knot.closing.length += behind;
+    if (at == knot.to) knot.closing.length += before;
+  }
+  if (at == 0) hand.head.length += behind;
+  if (at == last) hand.tail.length += before;
   bites.erase(bites.begin() + at);
   if (!spans.empty()) {
     const bool is_inner = at > 0 && at < Index(spans.size());

@@ -317,6 +317,7 @@ Vec3d Threads<Real>::mobility(const Model& model, Index a, Index b) const {
 template <class Real>
 Vec3d Threads<Real>::hand_at(const ThreadHand& hand, double time) const {
   const double share = duration_ > 0 ? std::clamp((time - begin_) / duration_, 0.0, 1.0) : 1;
+  if (share > 1 - 1e-9) return hand.to;  // exactly, as a term that was loaded has it between two frames
   return hand.from + share * (hand.to - hand.from);
 }
 
@@ -418,7 +419,8 @@ std::vector<Index> Threads<Real>::acts_on(const Model& model) const {
   std::vector<Index> vertices;
   for (const Thread& thread : state_.threads)
     for (const ThreadBite& bite : thread.bites) {
-      if (bite.point.tet >= model.elements.topology.tet_count())
+      const Topology& topology = model.elements.topology;
+      if (bite.point.tet >= topology.tet_count() || !topology.alive(bite.point.tet))
         throw InputError("checkpoint", "has a thread in tetrahedron " + std::to_string(bite.point.tet) +
                                            ", which the body does not have");
       const bool is_due = !thread.plans.empty() && thread.plans.front().at <= due_;
@@ -577,7 +579,9 @@ void Threads<Real>::load(const std::string& saved, Index) {
   }
   in.expect_end();
   state_ = std::move(found);
-  is_arranged_ = is_solved_ = false;
+  begin_ = duration_ = time_ = 0;
+  due_ = -unlimited;
+  has_changed_ = is_arranged_ = is_solved_ = false;
 }
 
 // A knot has drawn its loop in by what it is shorter than at rest.

@@ -161,7 +161,7 @@ void Contact<Real>::see_body(const BodyView& now, const At& at) {
     if (self_) self_->rebuild(surface_, now.model);
   }
   forget_if_replaced(at);
-  const double until = std::max(frame_end_, at.time);  // a world that was restored is in no frame
+  const double until = end_of_frame(at.time);  // a world that was restored is in no frame
   for (ToolContact& tool : tools_)
     if (tool.is_outdated(until, body_moved_)) search(tool, at, tool.moves_until(at.time, until));
   for (ToolContact& tool : tools_) tool.look_ahead(until);
@@ -237,8 +237,9 @@ void Contact<Real>::add_diagonal_stiffness(const At& at, DiagonalStiffness& sum)
       add_to_point(surface_.points()[std::size_t(tool.points()[std::size_t(place)])], weight, K, sum);
     });
   });
-  const double ahead = frame_end_ - at.time;
-  if (!self_ || surface_.body_count() < 2 || !(ahead > 0)) return add_self_stiffness(at, sum);
+  const double ahead = end_of_frame(at.time) - at.time;
+  const bool is_at_end = ahead <= 1e-9 * (frame_end_ - frame_begin_);
+  if (!self_ || surface_.body_count() < 2 || is_at_end) return add_self_stiffness(at, sum);
   find_soon(at, ahead);
   DiagonalStiffness &now = scratch_->now, &later = scratch_->later;
   now.setZero(6, sum.cols());

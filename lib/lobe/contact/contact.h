@@ -44,7 +44,10 @@ class Contact : public ForceTerm<Real> {
   bool needs_body() const override { return true; }
   bool see_tools(std::span<const ToolBody> bodies, double time) override;
   void see_body(const BodyView& now, const At& at) override;
-  void begin_frame(double time, double duration) override { frame_end_ = time + duration; }
+  void begin_frame(double time, double duration) override {
+    frame_begin_ = time;
+    frame_end_ = time + duration;
+  }
   std::span<const OnTool> on_tools() const override { return on_tools_; }
   void begin_steps() override;
   void take_back_steps() override;
@@ -82,9 +85,11 @@ class Contact : public ForceTerm<Real> {
   std::unique_ptr<SelfContact> self_;  // null if the body does not touch itself
   std::vector<OfTool> waiting_;
   std::vector<OnTool> on_tools_;
-  std::vector<Index> touched_;                // vertices that may be touched in this frame
-  std::vector<int> there_, there_before_;     // tools, when see_tools() was called last
-  double frame_end_ = 0;                      // [s]
+  std::vector<Index> touched_;             // vertices that may be touched in this frame
+  std::vector<int> there_, there_before_;  // tools, when see_tools() was called last
+  // Of the frame that time is in, or of another one if time was set [s].
+  double frame_begin_ = 0, frame_end_ = 0;
+  double end_of_frame(double now) const { return now >= frame_begin_ ? std::max(frame_end_, now) : now; }
   double body_moved_ = 0;                     // bound of how far a vertex has moved in all steps [m]
   double last_step_ = 0, step_at_start_ = 0;  // now, and when steps began [s]
   std::uint64_t replaced_ = 0;                // revision of the state that lists of what may touch are of

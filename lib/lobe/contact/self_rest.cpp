@@ -39,6 +39,7 @@ void SelfRest::choose_divisions(const ContactSurface& surface, const MeshBodies&
   for (int own = 0; own < bodies_; ++own)
     for (int other = 0; other < bodies_; ++other) {
       const double edge = surface.mean_edge_of(own), partner = surface.mean_edge_of(other);
+      if (!(edge > 0 && partner > 0)) continue;  // nothing is left of one of them
       edge_ratios_[std::size_t(own * bodies_ + other)] = std::max(edge, partner) / mean_edge;
       if (own == other) continue;
       divisions_[std::size_t(own * bodies_ + other)] =

@@ -195,6 +195,8 @@ void World<Real>::prepare_frame(double duration, Report& report) {
   organ_.refresh_terms();
   if (!organ_.implicit() && organ_.limit().is_due(body())) {
     const Timed timed(report, Phase::time_step);
+    // The limit that the end of the last frame found does not look a frame ahead (Contact).
+    if (organ_.setup().contact.self && elements().bodies.count() > 1) organ_.limit().forget();
     organ_.limit().find_anew(body());
     organ_.limit().measure_again(body());
     organ_.limit().keep(body());

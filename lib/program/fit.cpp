@@ -14,6 +14,7 @@
 #include "lobe/scene/bind_groups.h"
 #include "lobe/scene/read_scene.h"
 #include "lobe/scene/resolve.h"
+#include "lobe/scene/scene_mesh.h"
 #include "lobe/scene/write_scene.h"
 #include "lobe/text.h"
 
@@ -24,7 +25,7 @@ using Json = nlohmann::ordered_json;
 
 Resolved load(const Scene& scene, Scene& bound) {
   bound = scene;
-  MeshFile file = read_mesh(mesh_path(bound));
+  MeshFile file = read_scene_mesh(bound);
   bind_groups(file, bound);
   print_warnings(file.warnings());
   Resolved resolved = resolve(bound, std::move(file.mesh), {false});
@@ -50,8 +51,7 @@ std::vector<FitCase> load_cases(const FitCommand& command, std::vector<Scene>& s
   return cases;
 }
 
-// What is not finite, as the interval of what the measurements do not tell, becomes null.
-Json finite(double value) { return std::isfinite(value) ? Json(value) : Json(); }
+bool is_told(const FittedParameter& p) { return p.is_identifiable && std::isfinite(p.high - p.low); }
 
 Json json_of(const FitResult& found, const std::vector<FitCase>& cases) {
   Json parameters = Json::array(), measurements = Json::array();
@@ -59,8 +59,8 @@ Json json_of(const FitResult& found, const std::vector<FitCase>& cases) {
     parameters.push_back({{"name", p.name},
                           {"start", p.start},
                           {"value", p.value},
-                          {"low", finite(p.low)},
-                          {"high", finite(p.high)},
+                          {"low", is_told(p) ? Json(p.low) : Json()},
+                          {"high", is_told(p) ? Json(p.high) : Json()},
                           {"identifiable", p.is_identifiable}});
   for (std::size_t c = 0; c < cases.size(); ++c)
     for (std::size_t i = 0; i < cases[c].observed.measurements().size(); ++i) {
@@ -83,7 +83,7 @@ Json json_of(const FitResult& found, const std::vector<FitCase>& cases) {
 void print(const FitResult& found) {
   std::printf("%-32s %12s %12s   %s\n", "parameter", "start", "fitted", "95 % interval");
   for (const FittedParameter& p : found.parameters) {
-    const std::string interval = p.is_identifiable ? rounded(p.low) + " to " + rounded(p.high) : "not told";
+    const std::string interval = is_told(p) ? rounded(p.low) + " to " + rounded(p.high) : "not told";
     std::printf("%-32s %12s %12s   %s\n", p.name.c_str(), rounded(p.start).c_str(), rounded(p.value).c_str(),
                 interval.c_str());
   }
@@ -96,9 +96,7 @@ void write_fitted(const FitCommand& command, Scene scene, const FitResult& found
   const std::vector<Parameter> parameters = find_parameters(scene, command.parameters);
   for (std::size_t j = 0; j < parameters.size(); ++j)
     set(parameters[j], found.parameters[j].value, scene.materials[parameters[j].material]);
-  scene.mesh = std::filesystem::absolute(mesh_path(scene));
-  if (!scene.skin.empty()) scene.skin = std::filesystem::absolute(skin_path(scene));
-  io::write_file(command.output, to_json(scene) + '\n');
+  io::write_file(command.output, to_json(with_absolute_paths(std::move(scene))) + '\n');
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include "lobe/io/mesh_io.h"
 #include "lobe/scene/bind_groups.h"
 #include "lobe/scene/read_scene.h"
+#include "lobe/scene/scene_mesh.h"
 #include "pictures.h"
 
 namespace lobe::program {
@@ -72,7 +73,7 @@ int sensitivity(const SensitivityCommand& command) {
   if (command.output.empty() && !command.picture.empty())
     throw InputError("--picture", "draws the mesh that -o writes; give -o, too");
   Scene scene = read_scene(command.scene);
-  MeshFile file = read_mesh(mesh_path(scene));
+  MeshFile file = read_scene_mesh(scene);
   bind_groups(file, scene);
   print_warnings(file.warnings());
   const Resolved resolved = resolve(scene, std::move(file.mesh), {false});

@@ -100,7 +100,7 @@ def _table_file(data, folder, number):
             if unknown:
                 raise InputError(f"fit: a measurement has the unknown key {unknown[0]!r}; there are {', '.join(columns)}")
             at = row.get("at", "")
-            at = at if isinstance(at, (str, int)) else " ".join(repr(float(x)) for x in at)
+            at = " ".join(repr(float(x)) for x in at) if hasattr(at, "__len__") and not isinstance(at, str) else at
             writer.writerow(dict(row, at=at))
     return file
 
@@ -116,6 +116,8 @@ def fit(scene, data, *, parameters=("young_modulus",)):
     Returns the dict that `lobe fit --json` prints: "ok", "parameters" (each with "name", "start", "value", "low",
     "high", "identifiable"), "misfit", "notes" …
     """
+    if isinstance(parameters, str):
+        parameters = [parameters]
     if not isinstance(scene, (list, tuple)):
         scene, data = [scene], [data]
     if len(scene) != len(data):

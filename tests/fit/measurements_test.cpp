@@ -60,6 +60,10 @@ TEST_CASE("what is wrong with a table is said by line, all at once") {
   CHECK(fault_of(header + "force,0,x,nan,N,\n").find("\"nan\" is no finite number") != std::string::npos);
   CHECK(fault_of(header + "force,0,x,1e999,N,\n").find("no finite number") != std::string::npos);
   CHECK(fault_of(header + "force,0,w,1,N,\n").find("must be one of x, y, z, length") != std::string::npos);
+  CHECK(fault_of(header + "force,0,x,-12,5,N,\n").find("decimals need a point") != std::string::npos);
+  CHECK(fault_of("quantity,at,component,value,unit,sigm\n").find("column \"sigm\" is unknown") !=
+        std::string::npos);
+  CHECK(parse_measurements("\xEF\xBB\xBF" + header + "force,0,x,1,N,\n", "f").size() == 1);
   CHECK(fault_of(header + "displacement,0 0,x,1,m,\n").find("\"x y z\" [m]") != std::string::npos);
   CHECK(fault_of(header + "frequency,0,,1,Hz,\n").find("1 for the lowest") != std::string::npos);
   CHECK(fault_of(header + "force,0,x,1,N,0\n").find("sigma must be positive") != std::string::npos);

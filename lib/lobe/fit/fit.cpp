@@ -103,9 +103,9 @@ void Search::find_weights() {
 Setup Search::setup_of(const FitCase& one, const Eigen::VectorXd& x) const {
   Setup setup = one.setup;
   for (std::size_t j = 0; j < one.parameters.size(); ++j) {
-    const Parameter& parameter = one.parameters[j];
-    set(parameter, parameter.from_scale(x[Eigen::Index(j)]), one.setup.materials[parameter.material],
-        setup.materials[parameter.material]);
+    const Parameter &first = cases_[0].parameters[j], &own = one.parameters[j];
+    set(own, first.from_scale(x[Eigen::Index(j)]), cases_[0].setup.materials[first.material],
+        setup.materials[own.material]);
   }
   return setup;
 }
@@ -125,13 +125,18 @@ std::optional<Point> Search::evaluate(const Eigen::VectorXd& x, const Point* nea
     const Setup setup = setup_of(one, x);
     StaticOptions statics = options_.statics;
     if (near) statics.start = &near->solved[c].u;
-    StaticResult found = solve_static(setup, statics);
-    if (!found.converged) {
+    Solved solved;
+    try {
+      StaticResult found = solve_static(setup, statics);
       reason = found.reason;
+      if (!found.converged) return {};
+      solved = {std::move(found.u), std::move(found.reactions), {}};
+      solved.omega = frequencies(one, setup, solved.u);
+    } catch (const InputError& error) {  // beyond the range of a parameter, or not stable
+      if (!near) throw;
+      reason = error.what();
       return {};
     }
-    Solved solved{std::move(found.u), std::move(found.reactions), {}};
-    solved.omega = frequencies(one, setup, solved.u);
     at.values.push_back(one.observed.values(solved.u, solved.reactions, solved.omega));
     at.solved.push_back(std::move(solved));
     at.residual.segment(row, at.values.back().size()) -= at.values.back();
@@ -195,6 +200,7 @@ bool Search::improve(Point& at, FitResult& result) {
     any_lost |= !next;
     if (!next || !(next->residual.squaredNorm() < at.residual.squaredNorm())) continue;
     at = std::move(*next);
+    result.reason.clear();
     damping_ = std::max(damping_ / 10, 1e-9);
     return true;
   }
@@ -220,6 +226,7 @@ void Search::judge(const Point& at, FitResult& result) const {
   const Eigen::Index freedom = measured_.size() - parameters();
   const double spread = freedom > 0 ? std::sqrt(at.residual.squaredNorm() / double(freedom)) : 0;
   const double noise = knows_sigma_ ? std::max(1.0, spread) : spread;
+  const bool is_unknown = freedom == 0 && !knows_sigma_;
   const double quantile = knows_sigma_ ? 1.959964 : freedom > 0 ? student(freedom) : 0;
   const Eigen::JacobiSVD<Eigen::MatrixXd> svd(slopes(at), Eigen::ComputeThinU | Eigen::ComputeThinV);
   const double least =
@@ -233,22 +240,21 @@ void Search::judge(const Point& at, FitResult& result) const {
   Eigen::VectorXd variance = Eigen::VectorXd::Zero(parameters());
   for (Eigen::Index k = 0; k < svd.singularValues().size(); ++k) {
     const Eigen::VectorXd direction = svd.matrixV().col(k);
-    if (svd.singularValues()[k] <= least)
-      note(direction, result);
-    else
-      variance += (direction * (noise / svd.singularValues()[k])).cwiseAbs2();
+    const double seen = svd.singularValues()[k];
+    if (seen <= least) note(direction, result);
+    variance += (direction * (noise / std::max(seen, least_seen * least))).cwiseAbs2();
   }
   for (std::size_t j = 0; j < result.parameters.size(); ++j) {
     FittedParameter& found = result.parameters[j];
     const Parameter& parameter = cases_[0].parameters[j];
-    const double half = found.is_identifiable ? quantile * std::sqrt(variance[Eigen::Index(j)])
-                                              : std::numeric_limits<double>::infinity();
+    const double half = found.is_identifiable && !is_unknown ? quantile * std::sqrt(variance[Eigen::Index(j)])
+                                                             : std::numeric_limits<double>::infinity();
     const double a = parameter.from_scale(at.x[Eigen::Index(j)] - half),
                  b = parameter.from_scale(at.x[Eigen::Index(j)] + half);
     found.low = std::min(a, b);
     found.high = std::max(a, b);
   }
-  if (freedom == 0 && !knows_sigma_)
+  if (is_unknown)
     result.notes.push_back(
         "there are as many parameters as measurements, and no sigma: intervals are unknown");
 }
@@ -282,6 +288,13 @@ FitResult Search::run() {
 
 FitResult fit(const std::vector<FitCase>& cases, const FitOptions& options) {
   if (cases.empty() || cases[0].parameters.empty()) throw InputError("fit", "needs a parameter");
+  const auto names = [](const FitCase& one) {
+    std::vector<std::string> all;
+    for (const Parameter& parameter : one.parameters) all.push_back(parameter.name);
+    return all;
+  };
+  for (const FitCase& one : cases)
+    if (names(one) != names(cases[0])) throw InputError("fit", "all cases must have the same parameters");
   return Search(cases, options).run();
 }
 

@@ -1,11 +1,11 @@
 // Finds the parameters of materials from measurements in static equilibrium, and says how well they are
 // known.
 //
-// Weighted least squares by the method of Levenberg and Marquardt, on scales on which a parameter cannot
-// leave its range. Derivatives are exact ones of the discrete equilibrium (solve/static_sensitivity.h), so
-// that a step costs one more factor for all parameters of a scene. Confidence intervals are those of the
-// problem linearised at the solution, with Student's t (G. A. F. Seber, C. J. Wild, Nonlinear Regression,
-// 1989, section 5).
+// Weighted least squares by the method of Levenberg and Marquardt. A trial beyond the range of a parameter is
+// refused. Derivatives are exact ones of the discrete equilibrium (solve/static_sensitivity.h), so that a
+// step costs one more factor for all parameters of a scene; frequencies cost two more for each. Confidence
+// intervals are those of the problem linearised at the solution, with Student's t (G. A. F. Seber, C. J.
+// Wild, Nonlinear Regression, 1989, section 5).
 #pragma once
 
 #include <functional>
@@ -34,7 +34,7 @@ struct FitOptions {
 struct FittedParameter {
   std::string name;
   double start = 0, value = 0;
-  double low = 0, high = 0;  // of the confidence interval of 95 %; all that is possible if not identifiable
+  double low = 0, high = 0;  // of the confidence interval of 95 %; all that is possible if not told
   // Whether the measurements tell it apart from the others: a change by a factor e shows above the noise.
   bool is_identifiable = true;
 };

@@ -66,14 +66,18 @@ class Reader {
  public:
   Reader(const std::string& file, std::vector<Fault>& faults) : file_(file), faults_(faults) {}
 
-  bool read_header(std::string_view line) {
+  bool read_header(std::string_view line, int number) {
     const std::vector<std::string_view> names = split(line, ',');
+    width_ = names.size();
+    for (std::string_view name : names)
+      if (place_in(column_names, name) < 0)
+        fail(number, "the column \"" + std::string(name) + "\" is unknown; there are " + list(column_names));
     place_.fill(-1);
     for (int column = 0; column < columns; ++column) place_[column] = place_in(names, column_names[column]);
     for (int column = 0; column < sigma; ++column)
       if (place_[column] < 0)
-        fail(1, "the first line has no column \"" + std::string(column_names[column]) + "\"; it needs " +
-                    list(column_names) + " (sigma may be left out)");
+        fail(number, "the first line has no column \"" + std::string(column_names[column]) + "\"; it needs " +
+                         list(column_names) + " (sigma may be left out)");
     return faults_.empty();
   }
 
@@ -81,7 +85,12 @@ class Reader {
     const std::size_t faults = faults_.size();
     cells_ = split(line, ',');
     line_ = number;
-    Measurement found{.line = number};
+    if (cells_.size() > width_) {
+      fail(number, "has more cells than the first line has names: decimals need a point");
+      return {};
+    }
+    Measurement found;
+    found.line = number;
     const int kind = place_in(quantity_names, cell(quantity));
     if (kind < 0) {
       fail(number,
@@ -162,12 +171,14 @@ class Reader {
   std::vector<Fault>& faults_;
   std::array<int, columns> place_{};
   std::vector<std::string_view> cells_;
+  std::size_t width_ = 0;  // cells of the first line
   int line_ = 0;
 };
 
 }  // namespace
 
 std::vector<Measurement> parse_measurements(std::string_view text, const std::string& file) {
+  if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);  // as spreadsheets write it
   std::vector<Fault> faults;
   std::vector<Measurement> found;
   Reader reader(file, faults);
@@ -178,7 +189,7 @@ std::vector<Measurement> parse_measurements(std::string_view text, const std::st
     if (line.empty() || line.front() == '#') continue;
     if (!any_line) {
       any_line = true;
-      if (!reader.read_header(line)) break;
+      if (!reader.read_header(line, number)) break;
     } else if (auto one = reader.read(line, number)) {
       found.push_back(*one);
     }

@@ -141,7 +141,8 @@ void Question::add_models(std::vector<Effect>& effects) const {
     std::replace(changed.region_of.begin(), changed.region_of.end(), from, to);
     effects.push_back(effect_of(name, changed));
   };
-  for (const RegionModel model : {RegionModel::tensor_mass, RegionModel::precomputed})
+  for (const RegionModel model :
+       {RegionModel::tensor_mass, RegionModel::precomputed, RegionModel::corotational})
     as(model, RegionModel::nonlinear, std::string(name(model)) + " regions as non-linear");
   as(RegionModel::nonlinear, RegionModel::tensor_mass, "non-linear regions as linear");
 }
@@ -209,7 +210,12 @@ std::vector<Sensitivity> sensitivities(const Scene& scene, const Resolved& resol
   std::vector<Sensitivity> found;
   for (const StaticLoad& load : loads) {
     if (options.progress) options.progress(double(found.size()) / double(loads.size()));
-    found.push_back(Question(scene, resolved, load, options.factor).answer());
+    try {
+      found.push_back(Question(scene, resolved, load, options.factor).answer());
+    } catch (const InputError& error) {  // of this load: its equilibrium is not stable
+      if (found.empty()) throw;
+      found.push_back({.gesture = load.name, .trouble = error.what()});
+    }
   }
   return found;
 }

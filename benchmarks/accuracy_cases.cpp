@@ -7,6 +7,7 @@
 #include "lobe/io/mesh_io.h"
 #include "lobe/mesh/generators.h"
 #include "lobe/scene/read_scene.h"
+#include "lobe/scene/scene_mesh.h"
 #include "lobe/scene/select.h"
 
 namespace lobe::bench {
@@ -67,7 +68,7 @@ std::string name_of(const fs::path& file) {
 
 Case users_case(const fs::path& file, const Options& options) {
   Case made{name_of(file), read_scene(file), {}};
-  made.meshes.push_back(read_mesh(mesh_path(made.scene)).mesh);
+  made.meshes.push_back(read_scene_mesh(made.scene).mesh);
   for (const fs::path& mesh : options.meshes) made.meshes.push_back(read_mesh(mesh).mesh);
   if (options.refine.empty()) return made;
   if (selects_by_number(made.scene))

@@ -90,12 +90,19 @@ void add_options(CLI::App& app, Arguments& options) {
       "written them for this call");
 }
 
-// Whether the mesh of a scene lies in the scene's folder.
-bool is_beside(const Scene& scene) {
-  return !scene.mesh.empty() && scene.mesh.is_relative() && !scene.mesh.has_parent_path();
+// The meshes of a scene that lie in its folder.
+std::vector<std::filesystem::path> meshes_beside(const Scene& scene) {
+  std::vector<std::filesystem::path> found;
+  const auto add = [&](const std::filesystem::path& mesh) {
+    if (!mesh.empty() && mesh.is_relative() && !mesh.has_parent_path())
+      found.push_back(scene.file.parent_path() / mesh);
+  };
+  add(scene.mesh);
+  for (const SceneBody& body : scene.bodies) add(body.mesh);
+  return found;
 }
 
-// Removes a scene that was written for this call alone, a mesh beside it, and their folder if it is empty
+// Removes a scene that was written for this call alone, meshes beside it, and their folder if it is empty
 // then; also where they cannot be read.
 struct TemporaryScene {
   explicit TemporaryScene(const std::filesystem::path& scene) : file(scene) {}
@@ -103,17 +110,19 @@ struct TemporaryScene {
   TemporaryScene& operator=(const TemporaryScene&) = delete;
   ~TemporaryScene() {
     std::error_code ignored;  // the system removes its temporary files some day
-    for (const auto& path : {mesh, file, file.parent_path()})
+    meshes.insert(meshes.end(), {file, file.parent_path()});
+    for (const auto& path : meshes)
       if (!path.empty()) std::filesystem::remove(path, ignored);
   }
-  std::filesystem::path file, mesh;
+  std::filesystem::path file;
+  std::vector<std::filesystem::path> meshes;
 };
 
 std::pair<Scene, Resolved> load(const Arguments& options) {
   std::optional<TemporaryScene> temporary;
   if (options.is_temporary) temporary.emplace(options.scene);
   Scene scene = read_scene(options.scene);
-  if (temporary && is_beside(scene)) temporary->mesh = mesh_path(scene);
+  if (temporary) temporary->meshes = meshes_beside(scene);
   if (!options.mesh.empty()) replace_mesh(options.mesh, scene);
   MeshFile mesh = read_scene_mesh(scene);
   bind_groups(mesh, scene);
@@ -158,7 +167,7 @@ std::unique_ptr<view::Viewer> begin(Arguments& options) {
   if (options.viewer.haptic.device != "none") choose_frame(scene, resolved.setup, options);
   ProgressBar bar("condensing");
   view::ViewerOptions viewer_options = options.viewer;
-  viewer_options.saves_mesh = options.is_temporary && is_beside(scene);
+  viewer_options.saves_mesh = options.is_temporary && !meshes_beside(scene).empty();
   viewer_options.live.running = false;  // it begins with the first page
   viewer_options.live.condensing = [&](double fraction) { bar.show(fraction); };
   return std::make_unique<view::Viewer>(std::move(scene), std::move(resolved), viewer_options);

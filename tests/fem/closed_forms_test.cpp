@@ -57,11 +57,11 @@ double normal_stiffness(int i, int j, int L) {
   return i == j ? (sum + difference) / 2 : (sum - difference) / 2;
 }
 
-struct Pull {
+struct AxialPull {
   Vec3d fibre;
   double young, nu_y, nu_z;  // of a pull along x
 };
-const Pull pulls[] = {
+const AxialPull pulls[] = {
     {Vec3d::UnitX(), c.young_along, c.poisson_along, c.poisson_along},
     {Vec3d::UnitZ(), c.young_across, c.poisson_across, c.poisson_along* c.young_across / c.young_along}};
 
@@ -69,7 +69,7 @@ const Pull pulls[] = {
 
 // E = e + e²/2 along, −ν E across: S = Young's modulus × E along, P = (1 + e) S.
 TEST_CASE("a bar with fibres that is stretched along and across has one stress, Young's modulus times E") {
-  for (const Pull& pull : pulls)
+  for (const AxialPull& pull : pulls)
     for (double e : elongations) {
       const double E = e + e * e / 2;
       const Mat3<double> H =

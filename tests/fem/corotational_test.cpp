@@ -25,7 +25,7 @@ Law<double> corotational() { return corotational_law({lambda, mu, 1000}); }
 const Mat3<double> I = Mat3<double>::Identity();
 Mat3<double> turn() { return Eigen::AngleAxisd(2.1, Vec3d(1, -2, 0.5).normalized()).toRotationMatrix(); }
 
-Mat3<double> diagonal(double a, double b, double c) { return Vec3d(a, b, c).asDiagonal(); }
+Mat3<double> diagonal_of(double a, double b, double c) { return Vec3d(a, b, c).asDiagonal(); }
 
 }  // namespace
 
@@ -68,9 +68,9 @@ TEST_CASE("small strains have no errors of large numbers, in single precision an
 }
 
 TEST_CASE("an inverted tetrahedron is pushed back, until it is whole") {
-  double before = law_energy_density(corotational(), diagonal(0, 0, -1.9));
+  double before = law_energy_density(corotational(), diagonal_of(0, 0, -1.9));
   for (double s = -0.85; s < 0.99; s += 0.05) {  // of the third stretch
-    const Mat3<double> H = diagonal(0, 0, s - 1);
+    const Mat3<double> H = diagonal_of(0, 0, s - 1);
     CHECK(law_stress(corotational(), H)(2, 2) < 0);
     const double energy = law_energy_density(corotational(), H);
     CHECK(energy < before);
@@ -81,7 +81,7 @@ TEST_CASE("an inverted tetrahedron is pushed back, until it is whole") {
 TEST_CASE("all is finite where two rotations are as near") {
   const Mat34<double> alpha = (Mat34<double>() << 1, 0, 0, -1, 0, 1, 0, -1, 0, 0, 1, -1).finished();
   for (const Mat3<double>& F :
-       {diagonal(1, 1, -1), diagonal(0, 0, 0), diagonal(2, 1, -1), diagonal(1, 0, 0)}) {
+       {diagonal_of(1, 1, -1), diagonal_of(0, 0, 0), diagonal_of(2, 1, -1), diagonal_of(1, 0, 0)}) {
     CHECK(std::isfinite(law_energy_density<double>(corotational(), F - I)));
     CHECK(law_stress<double>(corotational(), F - I).allFinite());
     CHECK(law_stiffness<double>(corotational(), F - I, alpha).allFinite());
@@ -91,7 +91,7 @@ TEST_CASE("all is finite where two rotations are as near") {
 
 // It rises to a ridge from both sides, and is the same there.
 TEST_CASE("the energy has no jump where the nearest rotation does") {
-  const auto energy = [](double s) { return law_energy_density(corotational(), diagonal(0.4, 0, s - 1)); };
+  const auto energy = [](double s) { return law_energy_density(corotational(), diagonal_of(0.4, 0, s - 1)); };
   const double ridge = energy(-1);
   for (double step : {1e-3, 1e-6, 1e-9}) {
     CHECK(energy(-1 + step) == near(ridge, 20 * step));

@@ -195,8 +195,9 @@ TEST_CASE("lobe check says what will be run") {
   REQUIRE_MESSAGE(ended.status == 0, ended.err);
   const Json check = Json::parse(ended.out);
   CHECK(check["mesh"]["tetrahedra"] == 192);
-  CHECK(check["regions"] ==
-        Json{{"tensor-mass", 72}, {"precomputed", 0}, {"nonlinear", 120}, {"reduced", 0}});
+  CHECK(
+      check["regions"] ==
+      Json{{"tensor-mass", 72}, {"precomputed", 0}, {"nonlinear", 120}, {"reduced", 0}, {"corotational", 0}});
   CHECK(check["fixed_vertices"] == 9);
   CHECK(check["loads"]["mass_kg"].get<double>() == near(0.032, 1e-12));
   CHECK(check["tools"][0]["vertices"] == 9);

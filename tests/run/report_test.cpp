@@ -70,8 +70,9 @@ TEST_CASE("the report's numbers agree with each other and with the mesh") {
   const TetMesh mesh = beam_mesh();
   CHECK(report["ok"] == true);
   CHECK(report["mesh"] == Json{{"vertices", mesh.vertex_count()}, {"tetrahedra", mesh.tet_count()}});
-  CHECK(report["regions"] ==
-        Json{{"tensor-mass", 72}, {"precomputed", 0}, {"nonlinear", 120}, {"reduced", 0}});
+  CHECK(
+      report["regions"] ==
+      Json{{"tensor-mass", 72}, {"precomputed", 0}, {"nonlinear", 120}, {"reduced", 0}, {"corotational", 0}});
   CHECK(report["simulated_s"].get<double>() == near(0.3, 1e-12));
   CHECK(report["frames"] == 4);
   CHECK(report["threads"] == 1);

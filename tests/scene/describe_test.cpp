@@ -48,7 +48,8 @@ TEST_CASE("the description in JSON holds the exact totals") {
   CHECK(d["materials"][0]["wave_speed_m_s"].get<double>() == near(std::sqrt(12.0), 1e-12));
   CHECK(d["materials"][0]["expected_sag_m"].get<double>() == near(0.18, 1e-12));
   CHECK(d["materials"][0]["tetrahedra"] == 24);
-  CHECK(d["regions"] == json{{"tensor-mass", 3}, {"precomputed", 0}, {"nonlinear", 21}, {"reduced", 0}});
+  CHECK(d["regions"] ==
+        json{{"tensor-mass", 3}, {"precomputed", 0}, {"nonlinear", 21}, {"reduced", 0}, {"corotational", 0}});
   CHECK(d["fixed_vertices"] == 4);
   CHECK(d["moved_vertices"] == 1);
   CHECK(d["loads"]["force_N"][2].get<double>() == near(-2, 1e-12));
@@ -81,7 +82,7 @@ TEST_CASE("the description in words says what will be run") {
         "gravity "
         "about 0.18 m\n"
         "volume     penalty 0 Pa\n"
-        "regions    tensor-mass 3, precomputed 0, nonlinear 21, reduced 0 tetrahedra\n"
+        "regions    tensor-mass 3, precomputed 0, nonlinear 21, reduced 0, corotational 0 tetrahedra\n"
         "held       4 vertices fixed, 1 moved\n"
         "loads      force [0, 0, -2] N, traction [0, 0, -4] N on 0.04 m²\n"
         "weight     40 N, mass 4 kg\n"

@@ -93,7 +93,7 @@ TEST_CASE("unknown keys are refused with a suggestion") {
        "\"contact\", \"evaluator\", "
        "\"gravity\", \"guard_below\", \"loose_pieces\", \"materials\", \"mesh\", \"mesh_scale\", \"name\", "
        "\"output\", "
-       "\"regions\", \"skin\", \"time\", "
+       "\"regions\", \"skin\", \"threads\", \"time\", "
        "\"tools\", \"volume_penalty\"\n"
        "/time: unknown key \"x~/\"; known here: \"cut_step\", \"damping\", \"duration\", \"frame\", "
        "\"integrator\", \"load_ramp\", \"precision\", \"ramp\", \"safety\", "
@@ -164,8 +164,8 @@ TEST_CASE("materials are one of two pairs, and stable") {
 TEST_CASE("regions name a model") {
   check({
       {R"({"regions": [{"model": "nonlinaer"}]})",
-       "/regions/0/model: \"nonlinaer\", must be \"tensor-mass\", \"precomputed\", \"nonlinear\" or "
-       "\"reduced\"; did you mean \"nonlinear\"?"},
+       "/regions/0/model: \"nonlinaer\", must be \"tensor-mass\", \"precomputed\", \"nonlinear\", "
+       "\"reduced\" or \"corotational\"; did you mean \"nonlinear\"?"},
       {R"({"regions": [{}]})", "/regions/0: needs \"model\""},
       {R"({"regions": {"auto": {"gestures": [{"where": {"all": true}}]}}})",
        "/regions/auto/gestures/0: needs exactly one of \"displacement\" or \"force\""},

@@ -169,8 +169,8 @@ TEST_CASE("pressure is refused in a precomputed region, and with the implicit in
         "/boundary/1: 2 faces under pressure are in a precomputed region, whose inside bears no load that "
         "follows it: make that part tensor-mass or nonlinear");
   CHECK(faults("{" + pressed + R"(, "time": {"integrator": "implicit"}})")
-            .starts_with(
-                "/boundary/1/pressure: a probe, a pressure, a thread, a force term or springs does not go with"));
+            .starts_with("/boundary/1/pressure: a probe, a pressure, a thread, a force term or springs does "
+                         "not go with"));
 }
 
 TEST_CASE("a precomputed region must be held, and explicit") {
@@ -485,7 +485,7 @@ TEST_CASE("nodal pressure silences the warning of locking where it acts, and onl
   CHECK(warnings("{" + material +
                  R"(, "regions": [{"model": "tensor-mass", "where": {"tetrahedra": [3, 4]}}]})") ==
         "/materials/0: Poisson's ratio 0.49: linear tetrahedra lock (respond too stiffly) above 0.45, and "
-        "nodal_pressure does not reach 2 tetrahedra in linear regions");
+        "nodal_pressure does not reach 2 tetrahedra in linear or corotational regions");
 }
 
 TEST_CASE("nodal pressure is refused with the stored evaluator") {

@@ -19,8 +19,9 @@ struct BodyFigures {
   Vec3d momentum = Vec3d::Zero();  // [kg m/s]
 };
 
-// One entry per body, none where the mesh is one body. The elastic energies add up to that of the world; in
-// edge-smoothed elements and in what follows a lattice they are those of plain tetrahedra, and do not.
+// One entry per body, none where the mesh is one body. The elastic energies add up to that of the world, but
+// for edge-smoothed elements, what follows a lattice, and pre-computed regions that are corotated,
+// relinearised or expanded: there they are those of plain tetrahedra.
 // O(#tets).
 std::vector<BodyFigures> body_figures(const Elements& elements,
                                       const Mat3X<double>& u,   // 3 × #vertices [m]

@@ -64,7 +64,7 @@ Defects exact_defects(const Elements& elements, const Zones& zones, const Mat3X<
     const Mat34<double> corners = u(Eigen::all, elements.topology.corners(t));
     const Mat3<double> H = displacement_gradient<double>(corners, s.gradients.rightCols<3>());
     const auto own = [&](RegionModel model) {
-      return unsmoothed_stress(elements, t, H, model, pressures[std::size_t(t)]);
+      return unsmoothed_stress(nonlinear, t, H, model, pressures[std::size_t(t)]);
     };
     const Mat3<double> D = own(RegionModel::nonlinear) - own(RegionModel::tensor_mass);
     defects.col(zones.of[t]) += s.volume * column(D);

@@ -67,6 +67,13 @@ void check_sizes(const TetMesh& mesh, const std::string& name) {
     throw InputError(name, std::to_string(mesh.fibres.cols()) + " fibre directions for " +
                                std::to_string(mesh.tet_count()) +
                                " tetrahedra; give one per tetrahedron, or none");
+  const MeshBodies& bodies = mesh.bodies;
+  const bool bodies_fit =
+      bodies.names.size() <= MeshBodies::most &&
+      bodies.of.size() == (bodies.any() ? static_cast<std::size_t>(mesh.tet_count()) : 0) &&
+      std::all_of(bodies.of.begin(), bodies.of.end(), [&](auto body) { return body < bodies.names.size(); });
+  if (!bodies_fit)
+    throw InputError(name, "its bodies do not fit; give the place of a name per tetrahedron, or none");
 }
 
 // Beyond these, in metres, volumes or their products leave the range of double precision.

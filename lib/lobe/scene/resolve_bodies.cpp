@@ -27,7 +27,8 @@ void check_bodies(Resolution& resolution) {
   if (!wanted.empty() && !is_same)
     throw InputError("/bodies", "the mesh is not that of these bodies: read it with read_scene_mesh()");
   for (const BodyOverlap& found : body_overlaps(resolution.mesh())) {
-    const std::string place = "/bodies/" + std::to_string(found.other) + "/position";
+    const std::string place =
+        wanted.empty() ? "mesh" : "/bodies/" + std::to_string(found.other) + "/position";
     if (found.depth > most_overlap * found.edge)
       resolution.fail(place, overlap_text(bodies, found) + "; move one of them");
     else

@@ -28,10 +28,12 @@ void suspect_locking(Resolution& resolution, std::size_t material, const std::st
   }
   std::size_t beyond_reach = 0;
   for (std::size_t t = 0; t < setup.region_of.size(); ++t)
-    beyond_reach += setup.material_of[t] == material && is_linear(setup.region_of[t]);
+    beyond_reach += setup.material_of[t] == material &&
+                    (is_linear(setup.region_of[t]) || setup.region_of[t] == RegionModel::corotational);
   if (beyond_reach == 0) return;
   resolution.warn(place, locks + ", and nodal_pressure does not reach " +
-                             counted(beyond_reach, "tetrahedron", "tetrahedra") + " in linear regions");
+                             counted(beyond_reach, "tetrahedron", "tetrahedra") +
+                             " in linear or corotational regions");
 }
 
 void suspect_material(Resolution& resolution, const Elastic& m, double size, const std::string& place) {

@@ -114,7 +114,7 @@ def fit(scene, data, *, parameters=("young_modulus",)):
     sigma. parameters: their names, "liver.young_modulus" where there are several materials.
 
     Returns the dict that `lobe fit --json` prints: "ok", "parameters" (each with "name", "start", "value", "low",
-    "high", "identifiable"), "misfit", "notes" …
+    "high", "identifiable"), "misfit", "notes" and others.
     """
     if isinstance(parameters, str):
         parameters = [parameters]
@@ -134,7 +134,7 @@ def sensitivity(scene):
     """Which material, held part or model moves the sag and the forces of a scene most, as `lobe sensitivity` says.
 
     Returns a list of dicts, one for the weight and one for each grasp: "gesture", "largest_displacement_m",
-    "force_N", "effects" (the largest first; each with "of", "displacement", "largest", "force", all relative) …
+    "force_N", "effects" (the largest first; each with "of", "displacement", "largest", "force", all relative) and others.
     """
     with tempfile.TemporaryDirectory() as folder:
         file = _scene_file(scene, pathlib.Path(folder), 0)

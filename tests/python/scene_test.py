@@ -34,7 +34,7 @@ def test_regions_by_tetrahedron(mesh):
     codes = np.where(mesh.points[mesh.tets].mean(axis=1)[:, 0] < 0.05, 0, 2)
     scene = lobe.Scene(conftest.BEAM, mesh, regions=codes)
     assert (scene.regions == codes).all()
-    for wrong in (codes[:-1], codes + 2, codes.astype(float)):
+    for wrong in (codes[:-1], codes + 3, codes.astype(float)):
         with pytest.raises(lobe.InputError):
             lobe.Scene(conftest.BEAM, mesh, regions=wrong)
 

@@ -24,6 +24,9 @@
 
 namespace lobe {
 
+// Inline always: a copy of a function in an object of kernels could be run by a processor without their
+// instructions.
+
 inline bool any_of(bool lane) { return lane; }  // as for packs of numbers
 
 // The type of one number: of T itself, or of a lane of a pack T.
@@ -39,7 +42,7 @@ struct LaneNumber<T> {
 
 // R of a unit quaternion, times |q|².
 template <class T>
-Mat3<T> quaternion_rotation(const T& w, const T& x, const T& y, const T& z) {
+[[gnu::always_inline]] inline Mat3<T> quaternion_rotation(const T& w, const T& x, const T& y, const T& z) {
   const T two(2), xx = x * x, yy = y * y, zz = z * z, ww = w * w;
   Mat3<T> R;
   R << ww + xx - yy - zz, two * (x * y - w * z), two * (x * z + w * y),  //
@@ -50,7 +53,7 @@ Mat3<T> quaternion_rotation(const T& w, const T& x, const T& y, const T& z) {
 
 // By squarings of B + 2I; the eigenvalues of B are the four roots.
 template <class T>
-Mat3<T> rotation_by_quaternion(const Mat3<T>& A) {  // |A|² = 3, or 0
+[[gnu::always_inline]] inline Mat3<T> rotation_by_quaternion(const Mat3<T>& A) {  // |A|² = 3, or 0
   using Four = Eigen::Matrix<T, 4, 4>;
   const T shift(2), zero(0);  // so the largest eigenvalue is the farthest from 0, for every A
   Four B;
@@ -86,7 +89,7 @@ Mat3<T> rotation_by_quaternion(const Mat3<T>& A) {  // |A|² = 3, or 0
 }
 
 template <class T>
-Mat3<T> polar_rotation(const Mat3<T>& F) {
+[[gnu::always_inline]] inline Mat3<T> polar_rotation(const Mat3<T>& F) {
   using std::abs, std::max, std::min, std::sqrt;
   using Real = typename LaneNumber<T>::type;
   constexpr bool is_single = sizeof(Real) == 4;

@@ -473,3 +473,18 @@ TEST_CASE("a setup whose stitches cannot be sewn is refused") {
   implicit.integrator = Integrator::generalised_alpha;
   CHECK(fault(implicit).find("a thread") != std::string::npos);
 }
+
+TEST_CASE("a loop keeps its length where a bite is taken out of it") {
+  for (Index at : {0, 1, 2}) {
+    Thread thread;
+    for (Index number : {0, 1, 2}) thread.bites.push_back({{}, number});
+    thread.spans.resize(2);
+    thread.spans[0].length = 0.01;
+    thread.spans[1].length = 0.02;
+    thread.tie(0, 2, 0.03, 0, 0);
+    thread.remove_bite(at);
+    REQUIRE(thread.knots.size() == 1);
+    REQUIRE(thread.spans.size() == 1);
+    CHECK(thread.knots[0].closing.length + thread.spans[0].length == near(0.06, 1e-14));
+  }
+}

@@ -64,8 +64,9 @@ TEST_CASE(
   }
 }
 
-TEST_CASE_TEMPLATE("every instruction set gives the same bits with stored terms, tensor-mass and corotational", Real,
-                   float, double) {
+TEST_CASE_TEMPLATE(
+    "every instruction set gives the same bits with stored terms, tensor-mass and corotational", Real, float,
+    double) {
   const TetMesh mesh = irregular_box(4);
   check_nonlinear<Real>(setup_of(mesh), Evaluator::stored);
   Setup fibrous = smoothed(setup_of(mesh, RegionModel::tensor_mass));

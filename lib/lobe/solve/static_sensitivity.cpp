@@ -6,7 +6,7 @@
 namespace lobe {
 namespace {
 
-constexpr int most_turns = 200;       // of the change of pressure forces
+constexpr int most_turns = 200;      // of the change of pressure forces
 constexpr double last_turn = 1e-10;  // between two rounds, relative
 
 struct Balance {

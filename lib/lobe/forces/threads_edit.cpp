@@ -1,0 +1,188 @@
+// What is done to threads: by commands, and by the plans of a scene.
+#include <algorithm>
+#include <cmath>
+
+#include "lobe/error.h"
+#include "lobe/forces/threads.h"
+#include "lobe/text.h"
+
+namespace lobe {
+namespace {
+
+std::string named(const Thread& thread) { return "thread \"" + thread.name + "\""; }
+
+[[noreturn]] void refuse(const Thread& thread, const std::string& why) {
+  throw InputError(named(thread), why);
+}
+
+template <class At>
+double way_between(const Thread& thread, Index a, Index b, const At& at) {  // of two bites [m]
+  const auto place = [&](Index i) {
+    return position(thread.bites[std::size_t(i)].point, at.model.elements, at.u);
+  };
+  return (place(b) - place(a)).norm();
+}
+
+}  // namespace
+
+// ---- Commands
+
+template <class Real>
+Thread& Threads<Real>::find(int number) {
+  for (Thread& thread : state_.threads)
+    if (thread.number == number) return thread;
+  throw InputError("thread " + std::to_string(number), "there is none of this number");
+}
+
+template <class Real>
+void Threads<Real>::bring(int number, const ThreadMaterial& material) {
+  const std::string whose = "thread " + std::to_string(number);
+  if (number < 0) throw InputError(whose, "a number must be at least 0");
+  for (const Thread& thread : state_.threads)
+    if (thread.number == number) throw InputError(whose, "there is one of this number already");
+  material.check(
+      [](bool holds, const std::string& fault) {
+        if (!holds) throw InputError("thread", fault);
+      },
+      whose);
+  Thread thread;
+  thread.number = number;
+  thread.name = std::to_string(number);
+  thread.material = material;
+  thread.is_sewn = true;
+  const auto after = std::find_if(state_.threads.begin(), state_.threads.end(),
+                                  [&](const Thread& other) { return other.number > number; });
+  state_.threads.insert(after, std::move(thread));
+  is_arranged_ = false;
+}
+
+template <class Real>
+void Threads<Real>::bite(int number, const EmbeddedPoint& point, const At& at) {
+  Thread& thread = find(number);
+  if (!thread.is_sewn) refuse(thread, "is not sewn yet");
+  if (!point.is_valid() || !exists(point, at.model.elements.topology))
+    refuse(thread, "cannot pass tetrahedron " + std::to_string(point.tet) +
+                       ": it does not exist, or the weights do not have the sum 1");
+  Index next = 0;
+  for (const ThreadBite& bite : thread.bites) next = std::max(next, bite.number + 1);
+  thread.bites.push_back({point, next});
+  const auto last = Index(thread.bites.size()) - 1;
+  if (last > 0) {
+    thread.spans.emplace_back().length = way_between(thread, last - 1, last, at);
+  }
+  const Vec3d x = position(point, at.model.elements, at.u);
+  if (thread.hand.holds) thread.hand.tail.length = (thread.hand.to - x).norm();
+  is_arranged_ = false;
+}
+
+// What is slack between two bites lies straight.
+template <class Real>
+void Threads<Real>::lengthen_to_fit(Thread& thread, Index from, Index to, const At& at) {
+  for (Index i = from; i < to; ++i) {
+    ThreadSpan& span = thread.spans[std::size_t(i)];
+    if (span.tension == 0) span.length = way_between(thread, i, i + 1, at);
+  }
+}
+
+template <class Real>
+void Threads<Real>::pull(int number, bool on, const Vec3d& point, const At& at) {
+  Thread& thread = find(number);
+  ThreadHand& hand = thread.hand;
+  if (!point.allFinite()) refuse(thread, "is pulled to a point that is not finite");
+  if (!thread.is_sewn || thread.bites.empty()) refuse(thread, "passes no tissue yet: it cannot be pulled");
+  if (on && hand.holds) {
+    hand.target = point;
+    return;
+  }
+  if (on) {
+    hand = {true, point, point, point, {}, {}};
+    const auto place = [&](const ThreadBite& bite) { return position(bite.point, at.model.elements, at.u); };
+    hand.tail.length = (point - place(thread.bites.back())).norm();
+    hand.head.length = (point - place(thread.bites.front())).norm();
+    lengthen_to_fit(thread, thread.knots.empty() ? 0 : thread.knots.back().to, Index(thread.spans.size()),
+                    at);
+  }
+  hand.holds = on;
+  is_arranged_ = false;
+}
+
+template <class Real>
+void Threads<Real>::tie(int number, Index from, Index to, double tighten, double over, const At& at) {
+  Thread& thread = find(number);
+  if (!thread.is_sewn) refuse(thread, "is not sewn yet");
+  if (!(tighten >= 0 && std::isfinite(tighten) && over >= 0 && std::isfinite(over)))
+    refuse(thread, "is tightened by a length or in a time that is below 0 or not finite");
+  for (const Index bite : {from, to})
+    if (thread.find(bite) < 0) refuse(thread, "has no bite " + std::to_string(bite) + ", or not any more");
+  from = thread.find(from);
+  to = thread.find(to);
+  if (const std::string fault = thread.fault_of_tie(from, to); !fault.empty()) refuse(thread, fault);
+  lengthen_to_fit(thread, from, to, at);
+  const double closing = way_between(thread, from, to, at);
+  double path = closing;
+  for (Index i = from; i < to; ++i) path += thread.spans[std::size_t(i)].length;
+  if (tighten > path / 2)
+    refuse(thread, "is tightened by " + rounded(tighten) + " m, more than half of its loop of " +
+                       rounded(path) + " m");
+  thread.tie(from, to, closing, tighten, over);
+  is_arranged_ = false;
+}
+
+template <class Real>
+void Threads<Real>::cut(int number, Index after) {
+  Thread& thread = find(number);
+  const Index at = thread.find(after);
+  if (at < 0) refuse(thread, "has no bite " + std::to_string(after) + ", or not any more");
+  thread.cut_after(at);
+  is_arranged_ = false;
+}
+
+// ---- Plans of a scene. They are performed in the first step of a frame.
+
+template <class Real>
+void Threads<Real>::begin_frame(double time, double duration) {
+  begin_ = time;
+  duration_ = duration;
+  due_ = time;
+  for (Thread& thread : state_.threads) {
+    thread.hand.from = thread.hand.to;
+    thread.hand.to = thread.hand.target;
+    const bool is_tied = !thread.plans.empty() && thread.plans.front().at <= due_;
+    has_changed_ = has_changed_ || is_tied || (!thread.is_sewn && thread.at <= due_);
+  }
+}
+
+template <class Real>
+void Threads<Real>::perform_plans(const At& at) {
+  for (Thread& thread : state_.threads) {
+    if (!thread.is_sewn && thread.at <= due_) sew(thread, at);
+    while (thread.is_sewn && !thread.plans.empty() && thread.plans.front().at <= due_) {
+      const TieSetup plan = thread.plans.front();
+      thread.plans.erase(thread.plans.begin());
+      tie_planned(thread, plan, at);
+    }
+  }
+}
+
+template <class Real>
+void Threads<Real>::sew(Thread& thread, const At& at) {
+  thread.is_sewn = true;
+  is_arranged_ = false;
+  lengthen_to_fit(thread, 0, Index(thread.spans.size()), at);
+}
+
+template <class Real>
+void Threads<Real>::tie_planned(Thread& thread, const TieSetup& plan, const At& at) {
+  try {
+    tie(thread.number, plan.from, plan.to, plan.tighten, plan.over, at);
+  } catch (const InputError& error) {
+    report(TermEvent::Kind::torn, thread, "is not tied: it " + error.faults().front().message);
+  }
+}
+
+template <class Real>
+void Threads<Real>::report(TermEvent::Kind kind, const Thread& thread, const std::string& what) {
+  state_.events.push_back({kind, time_, named(thread) + " " + what});
+}
+
+}  // namespace lobe

@@ -70,7 +70,7 @@ Painting::Painting(Scene scene, const Resolved& resolved)
       held_at_first_(now_.held),
       material_at_first_(now_.material_of),
       labels_(distinct(mesh_.labels)),
-      surface_(topology_, now_.region_of) {
+      surface_(topology_, TetTags(now_.region_of, mesh_.bodies)) {
   const SurfaceMesh& surface = surface_.mesh();
   rest_.resize(3, surface.vertex_count());
   for (Index v = 0; v < surface.vertex_count(); ++v)

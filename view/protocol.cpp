@@ -9,6 +9,7 @@
 
 #include "lobe/error.h"
 #include "lobe/file/lists_all.h"
+#include "lobe/forces/threads.h"
 #include "lobe/scene/nearest_word.h"
 
 namespace lobe::view {
@@ -140,6 +141,26 @@ void write_fibres(const SurfaceMesh& surface, const Mat3X<float>& rest, const Ma
     const Eigen::Vector2f parts = (products.inverse() * (sides.transpose() * fibre)).cast<float>();
     out.put(std::span<const float>(parts.data(), 2));
   }
+  out.end();
+}
+
+void write_bodies(const SurfaceMesh& surface, const MeshBodies& bodies, BlockWriter& out) {
+  if (!bodies.any()) return;
+  out.begin(bodies_tag);
+  out.put(std::span<const std::uint8_t>(surface.body));
+  out.end();
+}
+
+void write_threads(std::span<const ThreadLine> lines, BlockWriter& out) {
+  out.begin(threads_tag);
+  out.put(static_cast<std::uint32_t>(lines.size()));
+  for (const ThreadLine& line : lines) out.put(static_cast<std::uint32_t>(line.points.cols()));
+  for (const ThreadLine& line : lines) {
+    const Mat3X<float> points = line.points.cast<float>();
+    out.put(std::span<const float>(points.data(), std::size_t(points.size())));
+  }
+  for (const ThreadLine& line : lines)
+    for (const double tension : line.tensions) out.put(static_cast<float>(tension));
   out.end();
 }
 

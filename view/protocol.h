@@ -12,6 +12,10 @@
 
 #include "lobe/snapshot/snapshot.h"
 
+namespace lobe {
+struct ThreadLine;  // forces/threads.h
+}
+
 namespace lobe::view {
 static_assert(std::endian::native == std::endian::little, "blocks are written as they stand in memory");
 
@@ -26,7 +30,8 @@ inline constexpr std::uint32_t topology_tag = tag("TOPO"), positions_tag = tag("
                                scalar_tag = tag("SCAL"), tools_tag = tag("TOOL"), obstacles_tag = tag("OBST"),
                                status_tag = tag("STAT"), paint_tag = tag("PNTS"), materials_tag = tag("MATS"),
                                fibres_tag = tag("FIBR"), skin_tag = tag("SKIN"),
-                               skin_positions_tag = tag("SKNP");
+                               skin_positions_tag = tag("SKNP"), bodies_tag = tag("BODS"),
+                               threads_tag = tag("THRD");
 
 class BlockWriter {
  public:
@@ -67,6 +72,11 @@ void write_topology(const SurfaceMesh& surface, const Mat3X<float>& rest /* 3 ×
 // no fibre. Nothing is written if no triangle has one.
 void write_fibres(const SurfaceMesh& surface, const Mat3X<float>& rest /* 3 × #vertices [m] */,
                   const Mat3X<double>& fibres /* 3 × #tetrahedra, or no column */, BlockWriter& out);
+// Writes which body each triangle is of: its number among the names in the status. Nothing is written where
+// there is one body without a name.
+void write_bodies(const SurfaceMesh& surface, const MeshBodies& bodies, BlockWriter& out);
+// Writes threads as lines: their number, the number of points of each, points [m], tensions of segments [N].
+void write_threads(std::span<const ThreadLine> lines, BlockWriter& out);
 void write_positions(const SurfaceMesh& surface, const Mat3X<float>& x /* 3 × #vertices [m] */,
                      BlockWriter& out);
 // The skin that the body carries (skin/skin.h): its triangles that are shown, and their positions.

@@ -284,6 +284,7 @@ std::string Viewer::painting_frame(ClientId id) {
               {"factor", 0},
               {"tets", resolved_.setup.mesh.tet_count()},
               {"stands_still", false}};
+  if (resolved_.setup.mesh.bodies.any()) status["bodies"] = resolved_.setup.mesh.bodies.names;
   write_json(tools_tag, "[]", out);
   add_session(status, id);
   write_json(status_tag, status.dump(-1, ' ', false, Json::error_handler_t::replace), out);
@@ -294,6 +295,7 @@ void Viewer::write_painting(BlockWriter& out) const {
   const SurfaceMesh& surface = painting_->surface();
   write_topology(surface, painting_->rest(), out);
   write_fibres(surface, painting_->rest(), resolved_.setup.mesh.fibres, out);
+  write_bodies(surface, resolved_.setup.mesh.bodies, out);
   write_positions(surface, painting_->rest(), out);
   std::vector<std::uint8_t> held, materials;
   for (const Index v : surface.mesh_vertex) held.push_back(painting_->held()[std::size_t(v)]);

@@ -6,6 +6,7 @@
 
 #include "lobe/error.h"
 #include "lobe/fem/body.h"
+#include "lobe/forces/threads.h"
 #include "lobe/mesh/generators.h"
 
 using namespace lobe;
@@ -69,6 +70,46 @@ TEST_CASE("the topology block has triangles, rest positions, regions and cut fac
   CHECK(at<std::uint8_t>(bytes, region_at) == 1);
   CHECK(at<std::uint8_t>(bytes, region_at + 12) == 0);
   CHECK(bytes.size() == region_at + 12 + 12);
+}
+
+TEST_CASE("the bodies block has the body of each triangle, and is not there where there is one body") {
+  TetMesh mesh = box_mesh({1, 1, 1}, 2, 1, 1);
+  const std::vector<RegionModel> regions(std::size_t(mesh.tet_count()), RegionModel::nonlinear);
+  BlockWriter none;
+  write_bodies(Surface(Topology(mesh), regions).mesh(), mesh.bodies, none);
+  CHECK(none.take().empty());
+  mesh.bodies.names = {"liver", "kidney"};
+  for (Index t = 0; t < mesh.tet_count(); ++t)
+    mesh.bodies.of.push_back(mesh.points(0, mesh.tets(0, t)) > 0.5);
+  const Surface surface(Topology(mesh), TetTags(regions, mesh.bodies));
+  BlockWriter out;
+  write_bodies(surface.mesh(), mesh.bodies, out);
+  const std::string message = out.take();
+  const Block block = read_blocks(message)[0];
+  CHECK(block.tag == bodies_tag);
+  REQUIRE(block.bytes.size() == std::size_t(surface.mesh().triangle_count()));
+  for (std::size_t t = 0; t < block.bytes.size(); ++t)
+    CHECK(block.bytes[t] == char(mesh.bodies.body_of(surface.mesh().owner[t].tet)));
+}
+
+TEST_CASE("the threads block has the points of all lines, then the tensions of all segments") {
+  std::vector<ThreadLine> lines(2);
+  lines[0].points = Mat3X<double>::Constant(3, 3, 0.25);
+  lines[0].tensions = {1, 2};
+  lines[1].points = Vec3d(4, 5, 6).replicate(1, 2);
+  lines[1].tensions = {3};
+  BlockWriter out;
+  write_threads(lines, out);
+  const std::string message = out.take();
+  const std::string_view bytes = read_blocks(message)[0].bytes;
+  CHECK(at<std::uint32_t>(bytes, 0) == 2);
+  CHECK(at<std::uint32_t>(bytes, 4) == 3);
+  CHECK(at<std::uint32_t>(bytes, 8) == 2);
+  CHECK(at<float>(bytes, 12) == 0.25f);
+  CHECK(at<float>(bytes, 12 + 9 * 4) == 4.0f);  // the first point of the second line
+  CHECK(at<float>(bytes, 12 + 15 * 4) == 1.0f);
+  CHECK(at<float>(bytes, 12 + 17 * 4) == 3.0f);
+  CHECK(bytes.size() == 12 + 18 * 4);
 }
 
 TEST_CASE("a scalar comes back to within half a step of its range") {

@@ -24,6 +24,16 @@ export const materialColours = [
   [0.75, 0.4, 0.55],
   [0.5, 0.5, 0.5],
 ];
+/** Living tissue, a little different for each body: of its skin, and of what was cut open. */
+const tissues = [
+  {skin: [0.5, 0.185, 0.15], opened: [0.42, 0.085, 0.075]},
+  {skin: [0.47, 0.2, 0.23], opened: [0.4, 0.1, 0.12]},
+  {skin: [0.32, 0.33, 0.16], opened: [0.26, 0.25, 0.09]},
+  {skin: [0.62, 0.42, 0.27], opened: [0.55, 0.32, 0.18]},
+  {skin: [0.58, 0.31, 0.29], opened: [0.5, 0.2, 0.18]},
+  {skin: [0.36, 0.17, 0.27], opened: [0.29, 0.09, 0.17]},
+];
+export const tissueOf = body => tissues[body % tissues.length];
 export const heldColour = [0.93, 0.78, 0.35];
 
 const viridis = [

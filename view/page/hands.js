@@ -24,6 +24,7 @@ export class Hands {
     this.cameraDoes = 'turn'; // or 'shift'; two of them zoom and shift
     this.last = new Map(); // where each pointer was
     this.onAct = () => {}; // told which instrument begins
+    this.onHover = () => {}; // told what the pointer is over, and where: (hit, x, y); null: over nothing
     this.onBlade = () => {}; // told of a blade that cuts (scalpel.js); null: there is none any more
     this.tape = null; // with begin(hit) and reach(hit)
     this.brush = null; // of the editor: {paint(point), end()}
@@ -86,6 +87,7 @@ export class Hands {
 
   begin(pointer, hit, ray) {
     this.onAct(this.kind);
+    this.onHover(null);
     if (this.kind === 'paint') {
       this.actives.set(pointer, {kind: 'paint'});
       return this.brush.paint(this.organ.restOf(hit));
@@ -108,7 +110,7 @@ export class Hands {
       this.ask({
         do: 'take',
         hand,
-        from: this.organ.section.start(ray).toArray(),
+        from: this.organ.start(ray, hit).toArray(),
         along: ray.direction.toArray(),
         radius: this.sizes.of('grasp'),
       });
@@ -335,6 +337,7 @@ export class Hands {
     const hit = this.may || this.kind === 'measure' ? this.organ.hit(this.stage.ray(event.offsetX, event.offsetY)) : null;
     this.stage.canvas.classList.toggle('away', !hit && this.kind === 'grasp');
     this.showRing(hit?.point, hit);
+    this.onHover(hit, event.offsetX, event.offsetY);
     if (this.kind !== 'scalpel') return;
     const forward = this.stage.forward();
     if (!hit) return this.gauge.hide();
@@ -349,6 +352,7 @@ export class Hands {
   showNothing() {
     if (this.actives.size > 0) return;
     this.showRing(null, null);
+    this.onHover(null);
     this.gauge.hide();
   }
 

@@ -57,24 +57,44 @@ function roughen(material, wetness, amount) {
   };
 }
 
-/** @returns {{skin: THREE.Material, opened: THREE.Material, shine(on: boolean): void}} */
-export function fineLook() {
-  const skin = new THREE.MeshPhysicalMaterial({...underLines, vertexColors: true, clearcoatRoughness: 0.22});
+const seenThrough = {transparent: true, opacity: 0.22, depthWrite: false};
+
+function fineSkin(more) {
+  const skin = new THREE.MeshPhysicalMaterial({
+    ...underLines,
+    vertexColors: true,
+    clearcoatRoughness: 0.22,
+    ...more,
+  });
+  roughen(skin, '0.00022', '0.0001');
+  return skin;
+}
+
+function fineOpened(more) {
   const opened = new THREE.MeshStandardMaterial({
     ...underLines,
     vertexColors: true,
     roughness: 0.9,
     envMapIntensity: 0.4,
     side: THREE.DoubleSide,
+    ...more,
   });
-  roughen(skin, '0.00022', '0.0001');
   roughen(opened, '0.0', '0.0005');
+  return opened;
+}
+
+/** Of skin, faded skin, what was cut open, and that faded.
+ *  @returns {{materials: THREE.Material[], shine(on: boolean): void}} */
+export function fineLook() {
+  const materials = [fineSkin(), fineSkin(seenThrough), fineOpened(), fineOpened(seenThrough)];
   const shine = on => {
-    skin.clearcoat = on ? 0.6 : 0.12;
-    skin.roughness = on ? 0.5 : 0.6;
+    for (const skin of materials.slice(0, 2)) {
+      skin.clearcoat = on ? 0.6 : 0.12;
+      skin.roughness = on ? 0.5 : 0.6;
+    }
   };
   shine(true);
-  return {skin, opened, shine};
+  return {materials, shine};
 }
 
 const across = 128; // pixels of the sphere
@@ -142,10 +162,17 @@ function lookedUp(map, options) {
 
 /** The light stays with the camera, as if it was worn on the head. */
 export function quickLook(stage) {
-  const skin = lookedUp(lightMap(stage, 0.5, 0.6, 1), {});
-  const opened = lookedUp(lightMap(stage, 0.9, 0, 0.4), {side: THREE.DoubleSide});
+  const wet = lightMap(stage, 0.5, 0.6, 1),
+    matt = lightMap(stage, 0.9, 0, 0.4),
+    bothSides = {side: THREE.DoubleSide};
+  const materials = [
+    lookedUp(wet, {}),
+    lookedUp(wet, seenThrough),
+    lookedUp(matt, bothSides),
+    lookedUp(matt, {...bothSides, ...seenThrough}),
+  ];
   const shine = on => {
-    skin.wetness.value = on ? 1 : 0.2;
+    for (const skin of materials.slice(0, 2)) skin.wetness.value = on ? 1 : 0.2;
   };
-  return {skin, opened, shine};
+  return {materials, shine};
 }

@@ -1,4 +1,5 @@
 // The page: what the server says goes to the parts that show it, what the user does goes to the server.
+import {Bodies} from './bodies.js';
 import {savePicture, stamp, Video} from './capture.js';
 import {showLegend} from './colours.js';
 import {Connection} from './connection.js';
@@ -20,6 +21,7 @@ import {listenToKeys} from './keys.js';
 import {cutLength, volumeOf} from './measures.js';
 import {Messages} from './messages.js';
 import {Tape} from './tape.js';
+import {Threads} from './threads.js';
 import {inMillimetres, ToolSizes} from './tool_sizes.js';
 
 const element = id => document.getElementById(id);
@@ -27,7 +29,9 @@ const element = id => document.getElementById(id);
 class Page {
   constructor(software) {
     this.stage = new Stage(element('stage'), software);
-    this.organ = new Organ(this.stage);
+    this.bodies = new Bodies(element('bodies'), element('labels'));
+    this.organ = new Organ(this.stage, this.bodies);
+    this.threads = new Threads(this.stage);
     this.section = this.organ.section = new Section(this.stage, this.organ);
     this.instruments = new Instruments(this.stage, element('labels'));
     this.obstacles = new Obstacles(this.stage);
@@ -115,7 +119,7 @@ class Page {
     this.frame = null;
     if (frame.skin) this.organ.setSkin(frame.skin);
     if (frame.skinPositions) this.organ.moveSkin(frame.skinPositions);
-    if (frame.topology) this.takeTopology(frame.topology, frame.fibres);
+    if (frame.topology) this.takeTopology(frame);
     else if (frame.skin) this.organ.compose();
     if (frame.obstacles) this.obstacles.set(frame.obstacles);
     if (frame.positions && frame.positions.revision === this.organ.revision) {
@@ -123,6 +127,7 @@ class Page {
       this.follow(frame.positions.x);
       this.tape.follow();
     }
+    if (frame.threads || frame.topology) this.threads.set(frame.threads ?? []);
     if (frame.scalar) this.organ.setScalar(frame.scalar);
     if (frame.held) this.organ.setHeld(frame.held);
     if (frame.materials) this.organ.setMaterials(frame.materials);
@@ -152,7 +157,8 @@ class Page {
     if (this.shape) this.stage.home(this.shape.slice());
   }
 
-  takeTopology(topology, fibres) {
+  takeTopology({topology, fibres, bodies, status}) {
+    this.bodies.take(status?.bodies ?? []);
     this.organ.held = null;
     const first = !this.organ.topology;
     if (first) {
@@ -161,7 +167,7 @@ class Page {
       this.hint('Drag the organ to pull it');
     }
     this.organ.x = this.organ.served = null;
-    this.organ.setTopology(topology, fibres);
+    this.organ.setTopology(topology, fibres, bodies);
     this.isMeasured = false;
     this.showLegend();
   }
@@ -411,6 +417,7 @@ class Page {
       this.hint('');
       if (kind !== 'paint') this.history.begin(kind);
     };
+    this.hands.onHover = (hit, x, y) => this.bodies.point(hit ? this.organ.bodyOf(hit) : undefined, x, y);
     this.hands.onBlade = blade =>
       this.hint(blade ? `${inMillimetres(blade.depth)} deep; the wheel changes it` : '');
     listenToPreferences((name, on) => {

@@ -1,12 +1,9 @@
 // The organ as it is drawn: its skin wet, what was cut open matt and dark.
 import * as THREE from './third_party/three-0.187.0/three.module.js';
-import {heldColour, light, materialColours, models, quantities, rampColours} from './colours.js';
+import {heldColour, light, materialColours, models, quantities, rampColours, tissueOf} from './colours.js';
 import {Fibres} from './fibres.js';
 import {fineLook, quickLook} from './looks.js';
 import {SmoothSurface} from './smooth_surface.js';
-
-const skinColour = light([0.5, 0.185, 0.15]),
-  cutColour = light([0.42, 0.085, 0.075]);
 
 const joined = (a, b) => {
   const both = new Float32Array(a.length + b.length);
@@ -16,8 +13,11 @@ const joined = (a, b) => {
 };
 
 export class Organ {
-  constructor(stage) {
+  /** @param {Bodies} bodies (bodies.js) */
+  constructor(stage, bodies) {
     this.stage = stage;
+    this.bodies = bodies;
+    bodies.onChange = () => this.compose();
     this.quantity = 'tissue';
     this.showsMesh = false;
     this.mesh = new THREE.Mesh(new THREE.BufferGeometry());
@@ -55,7 +55,7 @@ export class Organ {
     const {stage} = this;
     this.looks ??= {};
     this.look = this.looks[stage.look] ??= stage.look === 'fine' ? fineLook() : quickLook(stage);
-    this.mesh.material = [this.look.skin, this.look.opened];
+    this.mesh.material = this.look.materials; // in the order of SmoothSurface.counts
     this.shadow.visible = stage.look === 'quick' && stage.step.hasShadow;
     this.shadow.material.color.copy(stage.scene.background).multiplyScalar(0.5);
     this.look.shine(this.quantity === 'tissue');
@@ -71,8 +71,9 @@ export class Organ {
     }
   }
 
-  setTopology(topology, fibres) {
-    this.surface = topology; // of the tetrahedra, as the server tells it
+  /** @param {Uint8Array} [body] of each triangle, where there are several */
+  setTopology(topology, fibres, body) {
+    this.surface = {...topology, body}; // of the tetrahedra, as the server tells it
     this.topology = this.composed();
     this.revision = topology.revision;
     this.cutCount = topology.cut.reduce((sum, c) => sum + c, 0);
@@ -105,7 +106,8 @@ export class Organ {
   }
 
   showsSkin() {
-    return Boolean(this.skinX) && this.quantity === 'tissue' && !this.showsMesh;
+    const isWhole = this.bodies.areAll('shown') && !this.showsMesh;
+    return Boolean(this.skinX) && this.quantity === 'tissue' && isWhole;
   }
 
   compose() {
@@ -117,7 +119,7 @@ export class Organ {
   /** The triangles to draw: all of the surface, or its cut faces and the skin. Vertices are those of both. */
   composed() {
     const {surface, skin} = this;
-    if (!this.showsSkin()) return surface;
+    if (!this.showsSkin()) return surface.body ? this.withoutHidden() : surface;
     const triangles = [],
       count = surface.rest.length / 3;
     for (let t = 0; t < surface.cut.length; ++t)
@@ -129,6 +131,26 @@ export class Organ {
       rest: joined(surface.rest, skin.rest),
       region: new Uint8Array(triangles.length / 3),
       cut: new Uint8Array(triangles.length / 3).fill(1, 0, opened),
+    };
+  }
+
+  /** Those of bodies that are drawn; `of`: their numbers on the surface. */
+  withoutHidden() {
+    const {surface, bodies} = this;
+    if (bodies.areAll('shown')) return surface;
+    const of = Uint32Array.from(surface.body.keys()).filter(t => !bodies.is(surface.body[t], 'hidden')),
+      pick = values => values.constructor.from(of, t => values[t]);
+    const triangles = new Uint32Array(3 * of.length),
+      body = pick(surface.body);
+    of.forEach((t, i) => triangles.set(surface.triangles.subarray(3 * t, 3 * t + 3), 3 * i));
+    return {
+      ...surface,
+      of,
+      triangles,
+      body,
+      region: pick(surface.region),
+      cut: pick(surface.cut),
+      faded: body.map(b => Number(bodies.is(b, 'faded'))),
     };
   }
 
@@ -159,8 +181,11 @@ export class Organ {
       new THREE.BufferAttribute(this.smooth.interpolate(this.topology.rest, 3), 3),
     );
     geometry.setIndex(new THREE.BufferAttribute(this.smooth.triangles, 1));
-    geometry.addGroup(0, skin, 0);
-    geometry.addGroup(skin, this.smooth.triangles.length - skin, 1);
+    let begin = 0;
+    this.smooth.counts.forEach((count, i) => {
+      if (count > 0) geometry.addGroup(begin, 3 * count * this.smooth.parts, i);
+      begin += 3 * count * this.smooth.parts;
+    });
     geometry.boundingSphere = new THREE.Sphere(new THREE.Vector3(), 1e9);
     this.mesh.geometry.dispose();
     this.mesh.geometry = geometry;
@@ -243,17 +268,22 @@ export class Organ {
   /** Colours that stay while nothing is cut or painted. */
   fixedColours() {
     if (!this.smooth) return;
-    const {region, cut} = this.topology;
+    const {region, cut, body, of} = this.topology;
     const byRegion = this.quantity === 'region',
-      colours = models.map(model => light(model.colour));
+      colours = models.map(model => light(model.colour)),
+      cutColour = light(tissueOf(0).opened);
     const fresh = colour => colour.map((c, k) => 0.6 * c + 0.4 * cutColour[k]);
     const lighter = colours.map(fresh);
-    const ofMaterials = this.quantity === 'material' && this.materials?.length === region.length,
+    const ofMaterials = this.quantity === 'material' && this.materials?.length === this.surface.region.length,
       tints = materialColours.map(light);
+    const tissues = [...Array(body ? 256 : 1).keys()].map(b => {
+      const {skin, opened} = tissueOf(b);
+      return [light(skin), light(opened)];
+    });
     const values = this.smooth.spread(t => {
-      if (ofMaterials) return tints[this.materials[t] % tints.length];
+      if (ofMaterials) return tints[this.materials[of ? of[t] : t] % tints.length];
       if (byRegion) return (cut[t] ? lighter : colours)[region[t]];
-      return cut[t] ? cutColour : skinColour;
+      return tissues[body ? body[t] : 0][cut[t]];
     });
     if (this.quantity === 'tissue') this.mottle(values);
     if ((byRegion || ofMaterials) && this.held) this.tint(values);
@@ -363,8 +393,40 @@ export class Organ {
   /** Where a ray meets the organ first; null if nowhere. */
   hit(ray) {
     const caster = new THREE.Raycaster(ray.origin, ray.direction);
-    const first = caster.intersectObject(this.mesh, false).find(({point}) => this.section?.shows(point) ?? true);
-    return first ? {point: first.point, distance: first.distance, face: first.face} : null;
+    const first = this.met(caster).find(({point}) => this.section?.shows(point) ?? true);
+    return first
+      ? {point: first.point, distance: first.distance, face: first.face, faceIndex: first.faceIndex}
+      : null;
+  }
+
+  // What is faded stands in nobody's way.
+  met(caster) {
+    return caster.intersectObject(this.mesh, false).filter(({face}) => face.materialIndex % 2 === 0);
+  }
+
+  /** The number of the body that was hit; undefined where there are no several. */
+  bodyOf(hit) {
+    const t = this.smooth.order[Math.floor(hit.faceIndex / this.smooth.parts)];
+    return this.topology.body?.[t];
+  }
+
+  /** From where a ray meets nothing before what it has hit: behind the section, and behind what is faded or
+   *  hidden. */
+  start(ray, hit) {
+    const from = this.section.start(ray),
+      {triangles, body} = this.surface;
+    if (this.bodies.areAll('shown') || !body || !this.served) return from;
+    const corners = [0, 1, 2].map(() => new THREE.Vector3()),
+      at = new THREE.Vector3();
+    let last = ray.origin.distanceTo(from);
+    for (let t = 0; t < body.length; ++t) {
+      if (this.bodies.is(body[t], 'shown')) continue;
+      corners.forEach((corner, k) => corner.fromArray(this.served, 3 * triangles[3 * t + k]));
+      if (!ray.intersectTriangle(...corners, false, at)) continue;
+      const distance = ray.origin.distanceTo(at);
+      if (distance < hit.distance) last = Math.max(last, distance);
+    }
+    return ray.at((last + hit.distance) / 2, at);
   }
 
   /** How thick the organ is behind a point of its surface, along a direction [m]; 0: nothing is there. */
@@ -373,7 +435,7 @@ export class Organ {
       behind = point.clone().addScaledVector(direction, reach),
       caster = new THREE.Raycaster(behind, direction.clone().negate());
     // Seen from behind, the nearest side is the last one before the point.
-    const sides = caster.intersectObject(this.mesh, false).map(({distance}) => reach - distance);
+    const sides = this.met(caster).map(({distance}) => reach - distance);
     return sides.findLast(side => side > 1e-3 * this.stage.size) ?? 0;
   }
 

@@ -4,8 +4,8 @@
 const text = new TextDecoder();
 
 /** @returns {{topology?: object, positions?: object, scalar?: object, tools?: object[], status?: object,
- *   held?: object, materials?: object, fibres?: object, skin?: object, skinPositions?: object,
- *   obstacles?: object[]}} */
+ *   held?: object, materials?: object, fibres?: object, bodies?: object, threads?: object[], skin?: object,
+ *   skinPositions?: object, obstacles?: object[]}} */
 export function readFrame(/** @type {ArrayBuffer} */ buffer) {
   const view = new DataView(buffer);
   const frame = {};
@@ -73,6 +73,22 @@ const readers = {
   },
   FIBR(frame, buffer, at, size) {
     frame.fibres = new Float32Array(buffer, at, size / 4);
+  },
+  BODS(frame, buffer, at, size) {
+    frame.bodies = new Uint8Array(buffer, at, size);
+  },
+  THRD(frame, buffer, at, size, view) {
+    const lines = view.getUint32(at, true);
+    let begin = at + 4 + 4 * lines;
+    frame.threads = Array.from({length: lines}, (_, i) => {
+      const points = new Float32Array(buffer, begin, 3 * view.getUint32(at + 4 + 4 * i, true));
+      begin += points.byteLength;
+      return {points};
+    });
+    for (const line of frame.threads) {
+      line.tensions = new Float32Array(buffer, begin, Math.max(0, line.points.length / 3 - 1));
+      begin += line.tensions.byteLength;
+    }
   },
   MATS(frame, buffer, at, size) {
     frame.materials = new Uint8Array(buffer, at, size);

@@ -5,7 +5,8 @@
 import {splitAtCreases} from './creases.js';
 
 export class SmoothSurface {
-  /** @param {{triangles: Uint32Array, rest: Float32Array, region: Uint8Array, cut: Uint8Array}} topology
+  /** @param {{triangles: Uint32Array, rest: Float32Array, region: Uint8Array, cut: Uint8Array,
+   *   faded?: Uint8Array}} topology
    *  @param {number} levels how often each triangle becomes four */
   constructor(topology, levels) {
     const start = splitAtCreases(topology);
@@ -13,7 +14,8 @@ export class SmoothSurface {
     this.levels = [];
     let triangles = start.triangles,
       vertices = start.source.length;
-    const order = skinFirst(topology.cut);
+    const groups = skinFirst(topology),
+      order = groups.flat();
     triangles = inOrder(triangles, order);
     for (let i = 0; i < levels; ++i) {
       const finer = subdivide(triangles, vertices, start.corners);
@@ -25,7 +27,8 @@ export class SmoothSurface {
     this.vertexCount = vertices;
     this.parts = 4 ** levels;
     this.order = order; // per control triangle: the server's
-    this.skinCount = topology.cut.length - topology.cut.reduce((sum, c) => sum + c, 0);
+    this.counts = groups.map(group => group.length); // skin, faded skin, opened, faded opened
+    this.skinCount = this.counts[0] + this.counts[1];
     this.scratch = [new Float32Array(3 * start.source.length)];
     for (const weights of this.levels) this.scratch.push(new Float32Array(3 * weights.rows));
     this.normals = new Float32Array(3 * vertices);
@@ -67,11 +70,10 @@ export class SmoothSurface {
   }
 }
 
-function skinFirst(cut) {
-  const skin = [],
-    opened = [];
-  for (let t = 0; t < cut.length; ++t) (cut[t] ? opened : skin).push(t);
-  return skin.concat(opened);
+function skinFirst({cut, faded}) {
+  const groups = [[], [], [], []];
+  for (let t = 0; t < cut.length; ++t) groups[2 * cut[t] + (faded?.[t] ?? 0)].push(t);
+  return groups;
 }
 
 function inOrder(triangles, order) {

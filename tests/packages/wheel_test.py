@@ -1,7 +1,9 @@
-"""The wheel is packed, and installed in an environment of its own without a network."""
+"""The wheel is packed, and installed in an environment of its own without a network. There it loads its own copies
+of libraries that are no part of every Linux, and needs no newer libc than its tag says."""
 
 import os
 import pathlib
+import re
 import subprocess
 import sys
 
@@ -14,6 +16,10 @@ scene = lobe.Scene({"materials": [{"lame_lambda": 4e4, "lame_mu": 1e4, "density"
                     "boundary": [{"fix": True, "where": {"vertices": [0, 9, 18, 27]}}]}, mesh)
 world = lobe.World(scene)
 assert world.advance(0.01).ok and abs(world.snapshot().u).max() > 0
+loaded = {line.split()[-1] for line in open("/proc/self/maps") if ".so" in line}
+for name in "libtbb", "libmetis", "libpugixml":
+    found = [path for path in loaded if pathlib.Path(path).name.startswith(name)]
+    assert found and all(path.startswith(sys.prefix) for path in found), (name, found)
 print(lobe.__version__)
 """
 
@@ -31,3 +37,12 @@ def test_a_wheel_is_installed_without_a_network(tmp_path):
     python = tmp_path / "venv" / "bin" / "python"
     run(sys.executable, "-m", "pip", "--python", python, "install", "--no-index", "--no-deps", wheel)
     assert run(python, "-c", USE) == os.environ["LOBE_VERSION"]
+
+    tag = tuple(int(number) for number in re.search(r"manylinux_(\d+)_(\d+)_x86_64\.whl$", wheel).groups())
+    binaries = list((tmp_path / "venv").rglob("*.so*"))
+    assert len(binaries) == 4  # the module and three libraries
+    for binary in binaries:
+        symbols = re.findall(r"\bGLIBC_(\d+)\.(\d+)", run("readelf", "--version-info", binary))
+        assert symbols and max((int(a), int(b)) for a, b in symbols) <= tag, binary
+    licences = {path.stem for path in (tmp_path / "venv").rglob("licenses/*.txt")}
+    assert licences == {"libtbb12", "libmetis5", "libpugixml1v5"}

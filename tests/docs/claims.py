@@ -200,7 +200,7 @@ TABLES = {"reduced": table_reduced, "reduced-setup": table_reduced_setup, "frequ
           "haptic_touch": lambda: table_haptic("touch"), "haptic_fine": table_haptic_fine, "palpation": table_palpation,
           "elements": table_elements, "huge": table_huge, "live": table_live, "realtime": table_realtime, "hybrid": table_hybrid,
           "gestures": table_gestures, "gestures-meshes": table_gestures_meshes}
-TABLE = re.compile(r"<!-- table: ([\w-]+) -->\n(.*?)\n<!-- end -->", re.S)
+TABLE = re.compile(r"(<!-- table: ([\w-]+) -->\n)((?:(?!<!--).)*)(<!-- end -->)", re.S)  # empty where it is new
 
 
 def squeezed(text):
@@ -216,14 +216,14 @@ def main(write):
             nonlocal tables
             tables += 1
             try:
-                table = TABLES[match[1]]()
+                table = TABLES[match[2]]() + "\n"
             except FileNotFoundError as missing:
-                print(f"{page.name}: table {match[1]} waits for {Path(missing.filename).relative_to(ROOT)}")
+                print(f"{page.name}: table {match[2]} waits for {Path(missing.filename).relative_to(ROOT)}")
                 return match[0]
-            if table == match[2]:
+            if table == match[3]:
                 return match[0]
-            faults.append(f"{page.name}: table {match[1]} is not that of the CSV; run tests/docs/claims.py . --write")
-            return match[0][:match.start(2) - match.start()] + table + match[0][match.end(2) - match.start():]
+            faults.append(f"{page.name}: table {match[2]} is not that of the CSV; run tests/docs/claims.py . --write")
+            return match[1] + table + match[4]
 
         text = TABLE.sub(made, text)
         if write:

@@ -241,7 +241,9 @@ TEST_CASE("a thread that is pulled through the tissue has what the tissue holds,
   int steady = 0;
   for (int i = 0; i < 200 && said.empty(); ++i) {
     z += 2e-4;
+    const std::uint64_t structure = world.body().model.revisions.structure;
     world.apply(Pull{7, true, {0.0203, 0.0211, z}});
+    CHECK(world.body().model.revisions.structure == structure);  // the hand is only led
     const double cut = threads_of(world).ledger().cut;
     run(world, thread_frame, &said);
     const std::vector<ThreadLine> lines = thread_lines(world);

@@ -1,3 +1,7 @@
+#include <filesystem>
+#include <optional>
+#include <utility>
+
 #include "golden/golden.h"
 #include "lobe/linearity/mass_watch.h"
 #include "lobe/linearity/watch.h"
@@ -19,6 +23,23 @@ void choose_regions(const Scene& scene, Resolved& resolved) {
   resolved.setup.region_of = proposal.region_of;
   resolved.setup.expandable = true;
 }
+
+// A scene with the regions that are chosen for it, made when it is first asked for: no thread takes part.
+class ReadyScene {
+ public:
+  const std::pair<Scene, Resolved>& of(const std::string& name) {
+    if (!made_) {
+      Scene scene = read_scene(std::filesystem::path(LOBE_DATA_DIR) / "scenes" / (name + ".json"));
+      Resolved resolved = resolve(scene, read_scene_mesh(scene).mesh, {false});
+      if (scene.auto_regions) choose_regions(scene, resolved);
+      made_.emplace(std::move(scene), std::move(resolved));
+    }
+    return *made_;
+  }
+
+ private:
+  std::optional<std::pair<Scene, Resolved>> made_;
+};
 
 template <class Real>
 Digests play_scene(const Scene& scene, const Resolved& resolved, int threads) {
@@ -46,11 +67,8 @@ std::vector<GoldenRun> shipped_scenes() {
                                  "liver_declared", "liver_undeclared", "liver_palpation", "liver_pick_up",
                                  "liver_fallen", "liver_incision", "accuracy_undeclared", "kidney_undeclared",
                                  "liver_crossing", "liver_hands", "liver_scalpel", "two_organs", "ventricle"})
-    runs.push_back({name, [name](int threads) {
-                      const Scene scene =
-                          read_scene(std::filesystem::path(LOBE_DATA_DIR) / "scenes" / (name + ".json"));
-                      Resolved resolved = resolve(scene, read_scene_mesh(scene).mesh, {false});
-                      if (scene.auto_regions) choose_regions(scene, resolved);
+    runs.push_back({name, [ready = ReadyScene(), name](int threads) mutable {
+                      const auto& [scene, resolved] = ready.of(name);
                       return play_scene<float>(scene, resolved, threads);
                     }});
   return runs;

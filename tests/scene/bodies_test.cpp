@@ -153,7 +153,7 @@ TEST_CASE("names of labels are those of each body's own file") {
   scene.boundary[0].where = {SelectLabel{{2}, {"wal"}}};
   CHECK_THROWS_WITH_AS(bind_groups(file, scene),
                        "/boundary/0/where/label: the mesh's file names no label \"wal\"; it names \"lobe\", "
-                       "\"lobe\", \"wall\"; did you mean \"wall\"?",
+                       "\"wall\"; did you mean \"wall\"?",
                        InputError);
 }
 
@@ -321,4 +321,6 @@ TEST_CASE("another mesh than that of the bodies is refused, and none can replace
                        InputError);
   Scene scene = boxes.scene();
   CHECK_THROWS_AS(replace_mesh("other.vtu", scene), InputError);
+  CHECK_THROWS_WITH_AS(mesh_path(scene), "scene.json: has several bodies; here a scene of one mesh is needed",
+                       InputError);
 }

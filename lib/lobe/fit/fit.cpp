@@ -1,6 +1,7 @@
 #include "lobe/fit/fit.h"
 
 #include <Eigen/Cholesky>
+#include <Eigen/QR>
 #include <Eigen/SVD>
 #include <algorithm>
 #include <array>
@@ -18,6 +19,7 @@ namespace {
 constexpr double force_step = 1e-4;      // on the scale of a parameter, of differences of forces
 constexpr double frequency_step = 1e-3;  // of differences of frequencies
 constexpr double longest_step = 1;       // of the search
+constexpr double least_gain = 1e-6;      // of a step on the square of the misfit, relative
 constexpr double least_seen = 1e-6;      // relative change of all measurements that a factor e must cause
 constexpr double large_part = 0.3;       // of a direction that the measurements do not tell
 
@@ -65,6 +67,7 @@ class Search {
   Eigen::VectorXd frequencies(const FitCase& one, const Setup& setup, const Mat3X<double>& u) const;
   Eigen::MatrixXd slopes(const Point& at) const;
   Eigen::MatrixXd slopes(const FitCase& one, const Eigen::VectorXd& x, const Solved& solved) const;
+  bool is_least(const Point& at, const Eigen::MatrixXd& slopes) const;
   bool improve(Point& at, FitResult& result);
   void judge(const Point& at, FitResult& result) const;
   void note(const Eigen::VectorXd& direction, FitResult& result) const;
@@ -179,6 +182,18 @@ Eigen::MatrixXd Search::slopes(const Point& at) const {
   return weights_.cwiseInverse().asDiagonal() * J;
 }
 
+// Whether a step without damping would be below the tolerance, or lower the misfit by next to nothing. A
+// damped step says nothing of this: damping makes any step short.
+bool Search::is_least(const Point& at, const Eigen::MatrixXd& J) const {
+  const Eigen::VectorXd slope = J.transpose() * at.residual;
+  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> seen;
+  seen.setThreshold(least_seen);  // leaves out what the measurements do not tell
+  seen.compute(J);
+  const Eigen::VectorXd step = seen.solve(at.residual);
+  return step.cwiseAbs().maxCoeff() <= options_.tolerance ||
+         slope.dot(step) <= least_gain * at.residual.squaredNorm();
+}
+
 // One step that lowers the misfit. False if there is none, or if it is below the tolerance.
 bool Search::improve(Point& at, FitResult& result) {
   const Eigen::MatrixXd J = slopes(at);
@@ -193,7 +208,8 @@ bool Search::improve(Point& at, FitResult& result) {
     if (const double length = step.cwiseAbs().maxCoeff(); length > longest_step)
       step *= longest_step / length;
     if (step.cwiseAbs().maxCoeff() <= options_.tolerance) {
-      result.converged = !any_lost;
+      result.converged = !any_lost && is_least(at, J);
+      if (!result.converged) break;
       return false;
     }
     auto next = evaluate(at.x + step, &at, result.reason);

@@ -43,6 +43,7 @@ class Threads : public ForceTerm<Real> {
   void bring(int thread, const ThreadMaterial& material);
   void bite(int thread, const EmbeddedPoint& point, const At& at);
   void pull(int thread, bool on, const Vec3d& point, const At& at);
+  bool lead(int thread, const Vec3d& point);  // the hand that holds it; false: none does, nothing is changed
   void tie(int thread, Index from, Index to, double tighten, double over, const At& at);
   void cut(int thread, Index after);
 

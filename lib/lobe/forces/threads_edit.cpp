@@ -85,15 +85,21 @@ void Threads<Real>::lengthen_to_fit(Thread& thread, Index from, Index to, const 
 }
 
 template <class Real>
+bool Threads<Real>::lead(int number, const Vec3d& point) {
+  const auto is_led = [&](const Thread& thread) { return thread.number == number && thread.hand.holds; };
+  const auto thread = std::find_if(state_.threads.begin(), state_.threads.end(), is_led);
+  if (thread == state_.threads.end() || !point.allFinite()) return false;
+  thread->hand.target = point;
+  return true;
+}
+
+template <class Real>
 void Threads<Real>::pull(int number, bool on, const Vec3d& point, const At& at) {
   Thread& thread = find(number);
   ThreadHand& hand = thread.hand;
   if (!point.allFinite()) refuse(thread, "is pulled to a point that is not finite");
   if (!thread.is_sewn || thread.bites.empty()) refuse(thread, "passes no tissue yet: it cannot be pulled");
-  if (on && hand.holds) {
-    hand.target = point;
-    return;
-  }
+  if (on && lead(number, point)) return;
   if (on) {
     hand = {true, point, point, point, {}, {}};
     const auto place = [&](const ThreadBite& bite) { return position(bite.point, at.model.elements, at.u); };

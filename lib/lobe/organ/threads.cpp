@@ -1,4 +1,6 @@
 // Threads in an Organ.
+#include <algorithm>
+
 #include "lobe/error.h"
 #include "lobe/organ/organ.h"
 #include "lobe/setup/exclusions.h"
@@ -41,8 +43,15 @@ void Organ<Real>::perform(const Bite& command) {
   change_threads([&](auto& threads) { threads.bite(command.thread, command.point, body_.here()); });
 }
 
+// A hand that holds the thread already is only led: what acts on the body stays the same.
 template <class Real>
 void Organ<Real>::perform(const Pull& command) {
+  const auto leads = [&](const auto& term) {
+    return term->name() == Threads<Real>::term_name &&
+           static_cast<Threads<Real>&>(*term).lead(command.thread, command.point);
+  };
+  if (command.on && std::any_of(body_.terms.begin(), body_.terms.end(), leads))
+    return body_.sleep.wake(body_.woken_by_terms(), body_);
   change_threads(
       [&](auto& threads) { threads.pull(command.thread, command.on, command.point, body_.here()); });
 }

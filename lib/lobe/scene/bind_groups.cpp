@@ -114,6 +114,8 @@ class GroupBinder {
     std::vector<std::string> names;
     for (const auto& [number, name] : mesh_.label_names) names.push_back(name);
     for (const BodyLabelName& known : mesh_.body_label_names) names.push_back(known.name);
+    std::sort(names.begin(), names.end());
+    names.erase(std::unique(names.begin(), names.end()), names.end());
     return names;
   }
 

@@ -347,7 +347,11 @@ Scene parse_scene(std::string_view text, const std::filesystem::path& file) {
   return scene;
 }
 
-std::filesystem::path mesh_path(const Scene& scene) { return scene.file.parent_path() / scene.mesh; }
+std::filesystem::path mesh_path(const Scene& scene) {
+  if (!scene.bodies.empty())
+    throw InputError(scene.file.string(), "has several bodies; here a scene of one mesh is needed");
+  return scene.file.parent_path() / scene.mesh;
+}
 std::filesystem::path skin_path(const Scene& scene) { return scene.file.parent_path() / scene.skin; }
 
 Scene with_absolute_paths(Scene scene) {

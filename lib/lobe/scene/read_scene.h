@@ -18,7 +18,7 @@ Scene read_scene(const std::filesystem::path& file);
 // `file` is what messages call the text, and what relative paths are relative to; it is not opened.
 Scene parse_scene(std::string_view text, const std::filesystem::path& file = "scene.json");
 
-// Where the mesh of a scene lies that has no bodies (scene_mesh.h).
+// Where the mesh of a scene lies. Throws InputError for a scene with bodies (scene_mesh.h).
 std::filesystem::path mesh_path(const Scene& scene);
 std::filesystem::path skin_path(const Scene& scene);  // of one that has a skin
 // The same scene with absolute paths, so that it may be written to another folder.

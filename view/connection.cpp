@@ -12,6 +12,7 @@ namespace websocket = beast::websocket;
 namespace {
 
 constexpr std::chrono::milliseconds long_enough(30000);  // for one who has the token, or is being answered
+constexpr std::chrono::milliseconds long_for_files(600000);
 
 std::chrono::milliseconds milliseconds(double seconds) {
   return std::chrono::duration_cast<std::chrono::milliseconds>(std::chrono::duration<double>(seconds));
@@ -23,9 +24,8 @@ std::string_view view_of(beast::string_view text) { return {text.data(), text.si
 
 std::string_view path_of(std::string_view target) { return target.substr(0, target.find('?')); }
 
-// "/live?token=abc" → "abc"
-std::string_view token_of(std::string_view target) {
-  const std::string_view key = "token=";
+// Of "/live?token=abc" and "token=": "abc".
+std::string_view value_of(std::string_view target, std::string_view key) {
   const std::size_t question = target.find('?');
   if (question == std::string_view::npos) return {};
   std::string_view query = target.substr(question + 1);
@@ -37,6 +37,7 @@ std::string_view token_of(std::string_view target) {
   query.remove_prefix(key.size());
   return query.substr(0, query.find('&'));
 }
+std::string_view token_of(std::string_view target) { return value_of(target, "token="); }
 
 // Takes the same time however many characters are right, so that the time reveals nothing.
 bool same_secret(std::string_view a, std::string_view b) {
@@ -87,11 +88,27 @@ void Connection::close() {
   socket.close(ignored);
 }
 
+// What it may be long is known when its head was read.
 void Connection::read_request() {
   parser_.emplace();
-  parser_->body_limit(shared_.options.largest_message);
+  parser_->body_limit(shared_.options.largest_file);
   parser_->header_limit(largest_header);
   http_->expires_after(is_known_ ? long_enough : milliseconds(shared_.options.patience));
+  http::async_read_header(*http_, buffer_, *parser_,
+                          Moved([self = shared_from_this()](beast::error_code error, std::size_t) {
+                            if (error) return self->end();
+                            self->guarded([&] { self->read_body(); });
+                          }));
+}
+
+void Connection::read_body() {
+  if (sends_file(parser_->get())) {
+    http_->expires_after(long_for_files);
+  } else {
+    const auto length = parser_->content_length();
+    if (length && *length > shared_.options.largest_message) return end();
+    parser_->body_limit(shared_.options.largest_message);
+  }
   http::async_read(*http_, buffer_, *parser_,
                    Moved([self = shared_from_this()](beast::error_code error, std::size_t) {
                      if (error) return self->end();
@@ -109,7 +126,7 @@ void Connection::take(const Request& request) {
 }
 
 void Connection::answer(const Request& request) {
-  auto response = std::make_shared<Response>(file(request));
+  auto response = std::make_shared<Response>(sends_file(request) ? take_file(request) : file(request));
   response->set("X-Content-Type-Options", "nosniff");
   response->set("Content-Security-Policy",
                 "default-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' blob: data:; "
@@ -121,20 +138,40 @@ void Connection::answer(const Request& request) {
   respond(std::move(response));
 }
 
+Connection::Response Connection::plain(const Request& request, http::status status, std::string text) const {
+  Response response{status, request.version()};
+  response.set(http::field::content_type, "text/plain; charset=utf-8");
+  response.body() = std::move(text);
+  return response;
+}
+
+// Whether this is a file from one who may send it: the page itself, which has the token.
+bool Connection::sends_file(const http::request_header<>& request) const {
+  const std::string_view target = view_of(request.target());
+  return request.method() == http::verb::post && path_of(target) == "/file" &&
+         same_secret(token_of(target), shared_.options.token) &&
+         may_connect(view_of(request[http::field::origin]), view_of(request[http::field::host]),
+                     is_loopback(shared_.options.host));
+}
+
+Connection::Response Connection::take_file(const Request& request) const {
+  try {
+    shared_.service.received_file(std::string(value_of(view_of(request.target()), "name=")), request.body());
+  } catch (const std::exception& error) {
+    return plain(request, http::status::bad_request, error.what());
+  }
+  return plain(request, http::status::ok, "");
+}
+
 Connection::Response Connection::file(const Request& request) const {
-  const auto plain = [&](http::status status, std::string text) {
-    Response response{status, request.version()};
-    response.set(http::field::content_type, "text/plain; charset=utf-8");
-    response.body() = std::move(text);
-    return response;
-  };
   if (request.method() != http::verb::get && request.method() != http::verb::head)
-    return plain(http::status::method_not_allowed, "only GET is answered here\n");
+    return plain(request, http::status::method_not_allowed, "only GET is answered here\n");
   std::string_view path = path_of(view_of(request.target()));
   if (path == "/") path = "/index.html";
   const auto found = std::find_if(shared_.page.begin(), shared_.page.end(),
                                   [&](const PageFile& candidate) { return candidate.path == path; });
-  if (found == shared_.page.end()) return plain(http::status::not_found, "the page has no such file\n");
+  if (found == shared_.page.end())
+    return plain(request, http::status::not_found, "the page has no such file\n");
   Response response{http::status::ok, request.version()};
   response.set(http::field::content_type, type_of(path));
   response.set(http::field::cache_control,

@@ -44,10 +44,14 @@ class Connection : public std::enable_shared_from_this<Connection> {
   template <class Act>
   void guarded(const Act& act);
   void read_request();
+  void read_body();
   void take(const Request& request);
   void answer(const Request& request);
   void respond(std::shared_ptr<Response> response);
+  Response plain(const Request& request, boost::beast::http::status status, std::string text) const;
   Response file(const Request& request) const;
+  bool sends_file(const boost::beast::http::request_header<>& request) const;
+  Response take_file(const Request& request) const;
   std::string refusal(const Request& request) const;
   void become_live(const Request& request);
   void opened();

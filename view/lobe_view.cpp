@@ -84,6 +84,10 @@ void add_options(CLI::App& app, Arguments& options) {
   app.add_option("--save-to", options.viewer.folder, "folder for scenes that are saved")
       ->capture_default_str();
   app.add_flag("--no-open", options.no_open, "open no browser");
+  app.add_option("--made-from", options.viewer.origin.files,
+                 "file that `lobe scene` has made the scene from: the page can then make it anew")
+      ->allow_extra_args(false);
+  app.add_option("--made-scale", options.viewer.origin.scale, "the --scale that it was made with");
   app.add_flag(
       "--temporary", options.is_temporary,
       "remove the scene file, and a mesh beside it, as soon as they are read: for programs that have "
@@ -217,6 +221,7 @@ int serve(Arguments& options) {
   viewer->set_server(nullptr);
   attempt([&] { write_recordings(options, *viewer); });
   std::fflush(stdout);
+  viewer->abandon();
   if (viewer->is_preparing()) std::_Exit(status);  // what nobody will see need not be waited for
   return status;
 }

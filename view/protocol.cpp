@@ -50,6 +50,13 @@ void read(const Json& json, const std::string& place, std::string& value) {
   value = json.get<std::string>();
 }
 
+void read(const Json& json, const std::string& place, std::vector<std::string>& values) {
+  constexpr std::size_t most = 100;
+  if (!json.is_array() || json.size() > most) throw InputError(place, "must be a list of at most 100 texts");
+  for (std::size_t i = 0; i < json.size(); ++i)
+    read(json[i], place + "/" + std::to_string(i), values.emplace_back());
+}
+
 template <int count>
 void read(const Json& json, const std::string& place, Eigen::Matrix<double, count, 1>& value) {
   if (!json.is_array() || json.size() != count)

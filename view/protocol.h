@@ -31,7 +31,7 @@ inline constexpr std::uint32_t topology_tag = tag("TOPO"), positions_tag = tag("
                                status_tag = tag("STAT"), paint_tag = tag("PNTS"), materials_tag = tag("MATS"),
                                fibres_tag = tag("FIBR"), skin_tag = tag("SKIN"),
                                skin_positions_tag = tag("SKNP"), bodies_tag = tag("BODS"),
-                               threads_tag = tag("THRD");
+                               threads_tag = tag("THRD"), choices_tag = tag("CHOI");
 
 class BlockWriter {
  public:
@@ -298,9 +298,49 @@ struct Save {
   static constexpr auto fields = std::tuple(Field{"to", &Save::to});
 };
 
-using Any = std::variant<Seen, Take, Burn, Cut, Touch, Jaws, Close, Lead, LetGo, Pause, Step, Speed, Restart,
-                         Back, Show, Skin, Control, HandOver, Keep, Export, Edit, Paint, PaintMaterial,
-                         NewMaterial, Mend, PaintAll, Stroke, Undo, Propose, Apply, Save>;
+// ---- Other organs
+
+// Opens files that were sent (inbox.h): a scene with its files, or of what a scene is made. An empty text and
+// 0 let lobe choose.
+struct Open {
+  std::vector<std::string> files;
+  std::string tissue, hold;
+  double edge = 0, scale = 0;  // [m]; to metres
+  static constexpr const char* name = "open";
+  static constexpr auto fields =
+      std::tuple(Field{"files", &Open::files}, Field{"tissue", &Open::tissue}, Field{"hold", &Open::hold},
+                 Field{"edge", &Open::edge}, Field{"scale", &Open::scale});
+};
+// Opens one of the scenes and meshes that come with lobe (library.h).
+struct OpenShipped {
+  std::string what;
+  static constexpr const char* name = "open_shipped";
+  static constexpr auto fields = std::tuple(Field{"what", &OpenShipped::what});
+};
+// Makes the scene anew with other choices. Edge and scale 0: of the mesh that it has.
+struct Remake {
+  std::string tissue, hold;
+  double edge = 0, scale = 0;
+  static constexpr const char* name = "remake";
+  static constexpr auto fields = std::tuple(Field{"tissue", &Remake::tissue}, Field{"hold", &Remake::hold},
+                                            Field{"edge", &Remake::edge}, Field{"scale", &Remake::scale});
+};
+// What is being opened is not.
+struct Cancel {
+  static constexpr const char* name = "cancel";
+  static constexpr auto fields = std::tuple();
+};
+// Saves the scene that is open, and its mesh.
+struct SaveScene {
+  std::string to;  // as in Export
+  static constexpr const char* name = "save_scene";
+  static constexpr auto fields = std::tuple(Field{"to", &SaveScene::to});
+};
+
+using Any =
+    std::variant<Seen, Take, Burn, Cut, Touch, Jaws, Close, Lead, LetGo, Pause, Step, Speed, Restart, Back,
+                 Show, Skin, Control, HandOver, Keep, Export, Edit, Paint, PaintMaterial, NewMaterial, Mend,
+                 PaintAll, Stroke, Undo, Propose, Apply, Save, Open, OpenShipped, Remake, Cancel, SaveScene>;
 }  // namespace request
 
 inline constexpr int hand_count = 8;

@@ -1,9 +1,9 @@
 // What `--record` writes: a recording of each session of a run. The first one is of the scene that the
-// program was given. Each "Simulate this" begins another, of the scene that was painted. That scene and its
-// mesh are written beside it, so that `lobe replay` can play it:
+// program was given. Each "Simulate this", and each scene that is opened, begins another. Its scene and mesh
+// are written beside it, so that `lobe replay` can play it:
 //
 //   drag.lobe                               of the scene of the command line
-//   drag.2.lobe, drag.2.json, drag.2.vtu    of the first scene that was painted
+//   drag.2.lobe, drag.2.json, drag.2.vtu    of the first one that was painted or opened
 #pragma once
 
 #include <filesystem>

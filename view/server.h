@@ -1,5 +1,6 @@
-// The network side of `lobe view`, on one port: the files of the page by HTTP, and a WebSocket for frames to
-// and commands from the page. It knows nothing of organs; a Service makes and reads the messages.
+// The network side of `lobe view`, on one port: the files of the page by HTTP, files that the page sends, and
+// a WebSocket for frames to and commands from the page. It knows nothing of organs; a Service makes and reads
+// the messages.
 //
 // A client gets one frame at a time. The next one is made when it has acknowledged the last. So a slow link
 // carries the latest state, and nothing piles up. All of it but Server::wake() and stop() happens on the
@@ -15,11 +16,12 @@
 namespace lobe::view {
 
 struct ServerOptions {
-  std::string host = "127.0.0.1";       // address to listen on; a name is looked up
-  int port = 8080;                      // 0: a free one
-  std::string token;                    // that a client must name: not empty
-  std::size_t largest_message = 65536;  // of a client [bytes]; a longer one ends its connection
-  std::size_t most_clients = 16;        // at a time, pages that are only being loaded included
+  std::string host = "127.0.0.1";                     // address to listen on; a name is looked up
+  int port = 8080;                                    // 0: a free one
+  std::string token;                                  // that a client must name: not empty
+  std::size_t largest_message = 65536;                // of a client [bytes]; a longer one ends its connection
+  std::size_t largest_file = std::size_t(128) << 20;  // that one who has the token sends [bytes]
+  std::size_t most_clients = 16;                      // at a time, pages that are only being loaded included
   // Connections that have not shown the token yet: how many there may be, and how long one of them may take
   // to make its next request [s].
   std::size_t most_strangers = 64;
@@ -44,6 +46,8 @@ class Service {
   virtual void opened(ClientId client) = 0;
   virtual void closed(ClientId client) = 0;  // also of one that died
   virtual void received(ClientId client, std::string_view text) = 0;
+  // A page has sent a file. Throws InputError for one that is not wanted.
+  virtual void received_file(const std::string& name, std::string_view content) = 0;
   // The next frame for this client; empty if there is nothing new.
   virtual std::string next_frame(ClientId client) = 0;
 };

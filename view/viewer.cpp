@@ -138,6 +138,13 @@ void Viewer::measure_what_is_shown() {
   live_->measure(wanted);
 }
 
+void Viewer::received_file(const std::string& name, std::string_view content) { inbox_.take(name, content); }
+
+void Viewer::abandon() {
+  if (task_) task_->child.stop();
+  inbox_.clear();
+}
+
 void Viewer::show_skins() {
   live_->want_skin(std::any_of(clients_.begin(), clients_.end(),
                                [](const auto& client) { return client.second.wants_skin; }));
@@ -145,9 +152,10 @@ void Viewer::show_skins() {
 
 // ---- Work of other threads
 
-void Viewer::begin(const std::function<void(Task&)>& work) {
+void Viewer::begin(const std::function<void(Task&)>& work, const std::string& title) {
   if (is_preparing()) throw InputError("/do", "something else is being prepared: wait for it");
   const auto begun = std::make_shared<Task>();
+  begun->title = title;
   {
     const std::lock_guard lock(changing_);
     task_ = begun;
@@ -176,6 +184,7 @@ void Viewer::finish_task() {
     task = std::move(task_);
   }
   changed();
+  if (task->child.was_stopped()) return tell_all("note", task->title + " was cancelled.");
   if (!task->trouble.empty()) return tell_all("error", task->trouble);
   for (const std::string& warning : task->resolved.warnings) tell_all("note", warning);
   if (!task->live) {
@@ -205,6 +214,12 @@ void Viewer::take_over(Task& task) {
   resolved_ = std::move(task.resolved);
   paints_ = false;
   saves_mesh_ = true;
+  if (task.origin) {
+    origin_ = *task.origin;
+    painting_.reset();
+    proposal_ = resolved_.proposal;
+    ++opened_;
+  }
   live_->take_haptics(std::move(rig));
   live_->change_hands(controlling_ != 0);
   measure_what_is_shown();
@@ -239,12 +254,14 @@ std::string Viewer::newest_frame(ClientId id) {
   const std::uint64_t latest = news() ^ (painted_ << 40) ^ (paints_ ? 1 : 0);
   if (client.told.news == latest) return {};
   client.told.news = latest;
-  return paints_ ? painting_frame(id) : live_frame(id);
+  BlockWriter out;
+  write_choices(client, out);
+  paints_ ? write_painting_frame(id, out) : write_live_frame(id, out);
+  return out.take();
 }
 
-std::string Viewer::live_frame(ClientId id) {
+void Viewer::write_live_frame(ClientId id, BlockWriter& out) {
   Client& client = clients_[id];
-  BlockWriter out;
   Json status;
   live_->write(client.scalar, client.told, out, status);
   status["has_skin"] = live_->has_skin();
@@ -252,7 +269,6 @@ std::string Viewer::live_frame(ClientId id) {
   status["mode"] = "live";
   add_session(status, id);
   write_json(status_tag, status.dump(-1, ' ', false, Json::error_handler_t::replace), out);
-  return out.take();
 }
 
 void Viewer::add_session(Json& status, ClientId id) const {
@@ -265,11 +281,11 @@ void Viewer::add_session(Json& status, ClientId id) const {
   status["asks"] = control_.has_asked(id);
   status["askers"] = control_.askers().size();
   status["clients"] = clients_.size();
+  if (task_ && !task_->title.empty()) status["opening"] = {{"title", task_->title}};
 }
 
-std::string Viewer::painting_frame(ClientId id) {
+void Viewer::write_painting_frame(ClientId id, BlockWriter& out) {
   Client& client = clients_[id];
-  BlockWriter out;
   if (client.painted != painted_ || client.told.topology != 0) {
     write_painting(out);
     client.painted = painted_;
@@ -288,7 +304,6 @@ std::string Viewer::painting_frame(ClientId id) {
   write_json(tools_tag, "[]", out);
   add_session(status, id);
   write_json(status_tag, status.dump(-1, ' ', false, Json::error_handler_t::replace), out);
-  return out.take();
 }
 
 void Viewer::write_painting(BlockWriter& out) const {

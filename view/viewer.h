@@ -9,8 +9,12 @@
 #include <optional>
 #include <set>
 
+#include "child.h"
 #include "control.h"
+#include "inbox.h"
+#include "library.h"
 #include "live.h"
+#include "opening.h"
 #include "painting.h"
 #include "recordings.h"
 #include "server.h"
@@ -24,6 +28,8 @@ struct ViewerOptions {
   std::filesystem::path record = {};          // a file for what is done (recordings.h); empty: none
   std::chrono::milliseconds patience{10000};  // with a page that was asked for the instruments (control.h)
   bool saves_mesh = false;                    // beside each scene, since the file of the mesh will be gone
+  Origin origin = {};                         // of the scene, if it was made
+  std::filesystem::path library = library_folder();
 };
 
 class Viewer final : public Service {
@@ -39,6 +45,7 @@ class Viewer final : public Service {
   void opened(ClientId client) override;
   void closed(ClientId client) override;
   void received(ClientId client, std::string_view text) override;
+  void received_file(const std::string& name, std::string_view content) override;
   std::string next_frame(ClientId client) override;
 
   // ---- Any thread
@@ -52,6 +59,8 @@ class Viewer final : public Service {
   // the others then are.
   const std::vector<Recordings::Written>& write_recordings();
   bool is_preparing() const { return task_ && !task_->is_done; }
+  // Ends what is being prepared, as far as that is another program, and removes what pages have sent.
+  void abandon();
 
  private:
   using Clock = std::chrono::steady_clock;
@@ -62,8 +71,10 @@ class Viewer final : public Service {
     std::uint64_t painted = 0;
     double number = 0;    // of its last request
     std::string trouble;  // why it got no frame
+    int opened = -1;      // the scene whose choices it knows
   };
-  // A thread that prepares something: a simulation of what was painted, or a proposal of regions.
+  // A thread that prepares something: a simulation of what was painted, a proposal of regions, or another
+  // scene.
   struct Task {
     std::atomic<double> fraction{0};
     std::atomic<bool> is_done{false};
@@ -71,6 +82,9 @@ class Viewer final : public Service {
     std::shared_ptr<Live> live;
     Scene scene;
     Resolved resolved;
+    std::string title;             // of what is being opened; empty: nothing is
+    std::optional<Origin> origin;  // of the scene that is opened
+    Child child;                   // that makes it
   };
 
   bool needs_control(const request::Any& what) const;
@@ -90,13 +104,17 @@ class Viewer final : public Service {
   void measure_what_is_shown();
   void show_skins();
   std::string newest_frame(ClientId id);
-  std::string painting_frame(ClientId id);
+  void write_painting_frame(ClientId id, BlockWriter& out);
   void write_painting(BlockWriter& out) const;
   nlohmann::json painting_status() const;
-  std::string live_frame(ClientId id);
+  void write_live_frame(ClientId id, BlockWriter& out);
   void add_session(nlohmann::json& status, ClientId id) const;
   void send(const HandCommand& command);
-  void begin(const std::function<void(Task&)>& work);
+  void begin(const std::function<void(Task&)>& work, const std::string& title = {});
+  using MakeFile = std::function<std::filesystem::path(Child& child)>;
+  void open(const std::string& title, const Origin& origin, const MakeFile& make_file);
+  void make_and_open(const Origin& origin, const Choices& choices);
+  void write_choices(Client& client, BlockWriter& out);
   Painting& painting();
   AutoRegions wanted_gestures(double tolerance);
   void claim(const std::string& name);
@@ -133,6 +151,11 @@ class Viewer final : public Service {
   void perform(ClientId client, const request::Propose& what);
   void perform(ClientId client, const request::Apply& what);
   void perform(ClientId client, const request::Save& what);
+  void perform(ClientId client, const request::Open& what);
+  void perform(ClientId client, const request::OpenShipped& what);
+  void perform(ClientId client, const request::Remake& what);
+  void perform(ClientId client, const request::Cancel& what);
+  void perform(ClientId client, const request::SaveScene& what);
 
   void wake() const;
   LiveOptions live_options() const;
@@ -149,6 +172,10 @@ class Viewer final : public Service {
   bool has_begun_ = false;  // the simulation: with the first page
   // The mesh is saved beside scenes: its file will be gone, or has not the labels that were painted.
   bool saves_mesh_ = options_.saves_mesh;
+  Origin origin_ = options_.origin;
+  const std::vector<Shipped> library_ = library(options_.library);
+  Inbox inbox_;
+  int opened_ = 0;               // scenes, since the first one
   std::set<std::string> saved_;  // names of files that this program has made
   double number_ = 0;            // of the request that is carried out
   std::uint64_t painted_ = 1;    // grows with each change of the painting

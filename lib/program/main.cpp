@@ -14,6 +14,7 @@
 #include "console.h"
 #include "lobe/error.h"
 #include "lobe/scene/nearest_word.h"
+#include "lobe/text.h"
 
 namespace {
 
@@ -71,6 +72,9 @@ int make_and_view(int argc, char** argv) {
     return bad_input;
   }
   std::vector<std::string> words{options.output.string()};
+  for (const auto& file : options.files)
+    words.push_back("--made-from=" + std::filesystem::absolute(file).string());
+  if (options.scale > 0) words.push_back("--made-scale=" + lobe::exact(options.scale));
   for (const std::string& word : app.remaining()) words.push_back(word);
   std::vector<char*> arguments;
   for (std::string& word : words) arguments.push_back(word.data());

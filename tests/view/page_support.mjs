@@ -102,7 +102,7 @@ export async function openPage(viewport, options = {}) {
     await server.kill('SIGTERM');
     finish();
   };
-  return {page, check, shot, end, server, scene, address};
+  return {page, check, shot, end, server, scene, address, out};
 }
 
 // Where on the window a point of the organ's surface is that is free and faces the viewer: 50 pixels from its

@@ -36,6 +36,10 @@ class Noting final : public Service {
     if (text == "drop me") server->drop(client, "as you wish");
     if (text == "fail") throw std::runtime_error("as you wish");
   }
+  void received_file(const std::string& name, std::string_view content) override {
+    if (name != "organ.stl") throw InputError(name, "is no organ");
+    note(name + " of " + std::to_string(content.size()), 0);
+  }
   std::string next_frame(ClientId) override { return "frame " + std::to_string(++frames); }
 
   void note(const std::string& what, ClientId) {
@@ -226,6 +230,28 @@ TEST_CASE("a message that is too long ends the connection") {
   client.say(std::string(1001, 'a'));
   CHECK(client.hear().first == closing_kind);
   CHECK(running.service.has("closed"));
+}
+
+TEST_CASE("a page with the token sends files, which may be longer than messages") {
+  ServerOptions options;
+  options.largest_message = 1000;
+  options.largest_file = 5000;
+  Running running(options);
+  const auto send = [&](const std::string& target, std::size_t size,
+                        const char* origin = "http://localhost") {
+    Client client(running.server.port());
+    client.write("POST " + target + " HTTP/1.1\r\nHost: localhost\r\nOrigin: " + origin +
+                 "\r\nContent-Length: " + std::to_string(size) + "\r\n\r\n" + std::string(size, 'a'));
+    return client.head();
+  };
+  CHECK(send("/file?token=secret&name=organ.stl", 4000).starts_with("HTTP/1.1 200"));
+  CHECK(running.service.has("organ.stl of 4000"));
+  CHECK(send("/file?token=secret&name=other", 10).starts_with("HTTP/1.1 400"));
+  CHECK(send("/file?token=secret&name=organ.stl", 5001).empty());
+  CHECK(send("/file?token=guess&name=organ.stl", 10).starts_with("HTTP/1.1 405"));
+  CHECK(send("/file?token=guess&name=organ.stl", 4000).empty());
+  CHECK(send("/file?token=secret&name=organ.stl", 10, "http://evil.example").starts_with("HTTP/1.1 405"));
+  CHECK(!running.service.knows("organ.stl of 10"));
 }
 
 TEST_CASE("one that takes its messages no faster than they come is let go, not waited for") {

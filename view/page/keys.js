@@ -17,6 +17,7 @@ export function listenToKeys(page) {
     j: press('tool-jaws'),
     e: press('tool-paint'),
     t: press('tool-measure'),
+    l: press('open-button'),
     ' ': press('pause'),
     '.': press('single'),
     s: press('slow'),

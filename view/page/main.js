@@ -7,6 +7,7 @@ import {Editor} from './editor.js';
 import {Hands} from './hands.js';
 import {Instruments} from './instruments.js';
 import {Obstacles} from './obstacles.js';
+import {Opener} from './opener.js';
 import {Organ} from './organ.js';
 import {hideOverlay, overlayIsShown, showHelp, showNoGraphics, showRefused} from './overlay.js';
 import {colours as forceColours, Forces} from './forces.js';
@@ -43,6 +44,7 @@ class Page {
     this.hands.brush = this.editor;
     this.editor.onBrush = quantity => this.mode === 'edit' && this.colour(quantity);
     this.messages = new Messages(element('messages'));
+    this.opener = new Opener(this.ask, text => this.messages.add(text, 'bad'));
     this.newtons = new Forces();
     const forces = [
       ...forceColours.map((colour, i) => ({label: `instrument ${i + 1}`, colour})),
@@ -89,7 +91,7 @@ class Page {
     const {offsetTop: top} = element('side'),
       isSmall = matchMedia('(max-width: 900px)').matches, // as in style.css
       right = isSmall ? 0 : element('panel').offsetWidth,
-      editor = element('editor'),
+      editor = element(element('editor').hidden ? 'opener' : 'editor'),
       isBelow = editor.offsetWidth > 0.6 * innerWidth,
       dock = innerHeight - element('dock').offsetTop;
     document.body.style.setProperty('--dock', `${dock}px`);
@@ -107,7 +109,8 @@ class Page {
   receive(frame) {
     this.lost = '';
     // What is left out between two pictures was older; a surface and what is no longer told stay.
-    this.frame = frame.topology ? {skin: this.frame?.skin, ...frame} : {...this.frame, ...frame};
+    const {skin, choices} = this.frame ?? {};
+    this.frame = frame.topology ? {skin, choices, ...frame} : {...this.frame, ...frame};
     this.stage.wake();
     // A page in the background draws nothing, and wants to go on hearing.
     if (document.hidden) setTimeout(() => this.showFrame(), 200);
@@ -117,6 +120,7 @@ class Page {
     const frame = this.frame;
     if (!frame) return;
     this.frame = null;
+    if (frame.choices) this.takeChoices(frame.choices);
     if (frame.skin) this.organ.setSkin(frame.skin);
     if (frame.skinPositions) this.organ.moveSkin(frame.skinPositions);
     if (frame.topology) this.takeTopology(frame);
@@ -157,10 +161,24 @@ class Page {
     if (this.shape) this.stage.home(this.shape.slice());
   }
 
+  /** Of another scene than before, or of the first one. */
+  takeChoices(choices) {
+    const isOther = this.opened !== undefined && this.opened !== choices.opened;
+    this.opened = choices.opened;
+    this.opener.take(choices);
+    if (!isOther) return;
+    this.isOther = true; // until its surface is there
+    this.volume = 0;
+    this.history.forget(0);
+    this.tape.clear();
+    this.hands.forget();
+  }
+
   takeTopology({topology, fibres, bodies, status}) {
     this.bodies.take(status?.bodies ?? []);
     this.organ.held = null;
-    const first = !this.organ.topology;
+    const first = !this.organ.topology || this.isOther;
+    this.isOther = false;
     if (first) {
       this.stage.lookAt(topology.rest);
       this.sizes.fit(this.stage.size);
@@ -188,6 +206,7 @@ class Page {
     }
     if (status.mode !== this.mode) this.changeMode(status.mode);
     if (status.edit) this.editor.update(status.edit);
+    this.opener.update(status);
     this.showControl(status);
     if (status.run !== this.run) this.beginAnew(status.run);
     this.messages.take(status.messages ?? []);
@@ -280,8 +299,8 @@ class Page {
     this.hands.may = status.controls;
     if (this.mayAct === status.controls) return;
     this.mayAct = status.controls; // as its buttons show
-    for (const button of document.querySelectorAll('#dock button, #editor button'))
-      if (!['tool-measure', 'picture', 'video', 'panel-button', 'help-button'].includes(button.id)) {
+    for (const button of document.querySelectorAll('#dock button, #editor button, #opener button'))
+      if (!['tool-measure', 'open-button', 'picture', 'video', 'panel-button', 'help-button'].includes(button.id)) {
         button.toggleAttribute('data-foreign', !status.controls);
         button.setAttribute('aria-disabled', String(!status.controls));
       }
@@ -403,6 +422,10 @@ class Page {
     click('video', () => this.video.toggle());
     click('export', () => this.ask({do: 'export', to: `hands_${stamp()}`}));
     click('help-button', () => (overlayIsShown() ? hideOverlay() : showHelp()));
+    click('open-button', () => {
+      this.opener.toggle();
+      this.leaveRoom();
+    });
     click('panel-button', () => this.openPanel(!document.body.classList.contains('panel-open')));
     element('colour').onchange = () => this.colour(element('colour').value);
     element('skin').onchange = () => this.wantSkin();
@@ -464,6 +487,7 @@ class Page {
   changeMode(mode) {
     this.mode = mode;
     const edits = mode === 'edit';
+    if (edits) this.opener.toggle(false);
     if (edits) this.organ.leaveSkin();
     else if (element('skin').checked) this.wantSkin();
     element('editor').hidden = !edits;

@@ -29,6 +29,7 @@ export function showHelp() {
     ['Ctrl Z · B · R', 'undo: back to before the last act · back by a second · restart'],
     ['Marks at the bottom', 'what was done so far: click to go back to before it'],
     ['M · K · F · O', 'mesh · skin · fibres · a section across the view, which opens the organ'],
+    ['L, or drop a file', 'another organ: a surface, a label image, a mesh or a scene; what was chosen for this one'],
     ['I · V', 'image · video'],
   ];
   show(

@@ -5,7 +5,7 @@ const text = new TextDecoder();
 
 /** @returns {{topology?: object, positions?: object, scalar?: object, tools?: object[], status?: object,
  *   held?: object, materials?: object, fibres?: object, bodies?: object, threads?: object[], skin?: object,
- *   skinPositions?: object, obstacles?: object[]}} */
+ *   skinPositions?: object, choices?: object, obstacles?: object[]}} */
 export function readFrame(/** @type {ArrayBuffer} */ buffer) {
   const view = new DataView(buffer);
   const frame = {};
@@ -92,6 +92,9 @@ const readers = {
   },
   MATS(frame, buffer, at, size) {
     frame.materials = new Uint8Array(buffer, at, size);
+  },
+  CHOI(frame, buffer, at, size) {
+    frame.choices = readJson(buffer, at, size);
   },
   OBST(frame, buffer, at, size) {
     frame.obstacles = readJson(buffer, at, size);

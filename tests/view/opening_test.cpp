@@ -1,0 +1,184 @@
+// Other organs than the first: files that are sent, what comes with lobe, and what is chosen for them.
+#include <doctest/doctest.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "child.h"
+#include "inbox.h"
+#include "library.h"
+#include "lobe/error.h"
+#include "viewed.h"
+
+using namespace lobe;
+using namespace lobe::test;
+using namespace lobe::view;
+
+namespace {
+
+template <class Act>
+std::string fault_of(const Act& act) {
+  try {
+    act();
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+std::string content_of(const std::filesystem::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+// What a page is told: the last choices, and all texts would need a server.
+struct Page {
+  Viewed& viewed;
+  ClientId id = 1;
+  Json choices, status;
+
+  explicit Page(Viewed& v) : viewed(v) { viewed.viewer->opened(id); }
+  void look() {
+    const std::string message = viewed.viewer->next_frame(id);
+    if (message.empty()) return std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    for (const Block& block : read_blocks(message)) {
+      if (block.tag == choices_tag) choices = Json::parse(block.bytes);
+      if (block.tag == status_tag) status = Json::parse(block.bytes);
+    }
+  }
+  // Within a minute.
+  template <class Condition>
+  bool comes_to(const Condition& condition) {
+    for (int i = 0; i < 12000 && !condition(); ++i) look();
+    return condition();
+  }
+  bool opens(int number) {
+    return comes_to([&] { return !choices.is_null() && choices["opened"] == number && !status.is_null(); });
+  }
+};
+
+Json to_open(const std::vector<std::string>& files, const std::string& tissue = "", double scale = 0) {
+  return {{"do", "open"}, {"files", files}, {"tissue", tissue}, {"hold", ""}, {"edge", 0}, {"scale", scale}};
+}
+
+}  // namespace
+
+TEST_CASE("files of plain names and known kinds are taken, and are gone with the inbox") {
+  std::filesystem::path file;
+  {
+    Inbox inbox;
+    CHECK(!inbox.has("/tmp/organ.stl"));
+    inbox.take("organ.stl", "solid a");
+    inbox.take("organ.stl", "solid b");
+    file = inbox.path_of("organ.stl");
+    CHECK(content_of(file) == "solid b");
+    CHECK(inbox.has(file));
+    CHECK(inbox.has(inbox.make_folder() / "made.vtu"));
+    CHECK(!inbox.has(file.parent_path().parent_path() / "other"));
+    CHECK(inbox.make_folder() != inbox.make_folder());
+    for (const char* name : {"", "../organ.stl", "a/b.stl", ".stl", "-o.stl", "a\nb.stl", "é.stl"})
+      CHECK(fault_of([&] { inbox.take(name, ""); }).starts_with("name: must be of letters"));
+    CHECK(fault_of([&] { inbox.take("organ.exe", ""); }) == "organ.exe: is of no kind that lobe reads");
+    CHECK(fault_of([&] { inbox.path_of("other.stl"); }) == "/files: \"other.stl\" was not sent");
+  }
+  CHECK(!std::filesystem::exists(file.parent_path()));
+}
+
+TEST_CASE("a scene that was sent names nothing that was not sent with it") {
+  Folder folder;
+  const auto check = [&](const Json& scene) {
+    return fault_of([&] { check_names_beside(folder.write("scene.json", scene.dump())); });
+  };
+  CHECK(check({{"mesh", "organ.vtu"}, {"skin", "organ.obj"}}).empty());
+  CHECK(check({{"mesh", "/etc/passwd"}}).starts_with("/mesh: /etc/passwd: a scene that is sent"));
+  CHECK(check({{"mesh", "../organ.vtu"}}).starts_with("/mesh: "));
+  CHECK(check({{"bodies", {{{"name", "a"}, {"mesh", "b/c.vtu"}}}}}).starts_with("/bodies/0/mesh: "));
+  CHECK(check({{"tools", {{{"shape", {{"mesh", {{"file", "/x.obj"}}}}}}}}})
+            .starts_with("/tools/0/shape/mesh/file"));
+}
+
+TEST_CASE("a child says what it says and how it ended") {
+  Child child;
+  CHECK(child.run({"sh", "-c", "echo out; echo err >&2; exit 3"}) == 3);
+  CHECK(child.said() == "out\nerr\n");
+  CHECK(!child.was_stopped());
+  CHECK(Child().run({"no-such-program-of-lobe"}) == 127);
+}
+
+TEST_CASE("a child that is stopped takes along those that it has started") {
+  Child child;
+  std::thread stopper([&] {
+    comes_to([&] { return child.said() == "there\n"; });
+    child.stop();
+  });
+  CHECK(child.run({"sh", "-c", "sleep 60 & echo there; wait"}) == 128 + 9);  // sleep holds the output open
+  stopper.join();
+  CHECK(child.was_stopped());
+  CHECK(child.run({"true"}) == 127);
+}
+
+TEST_CASE("the library has scenes by their names, then meshes") {
+  Folder folder;
+  std::filesystem::create_directories(folder.path / "scenes");
+  std::filesystem::create_directories(folder.path / "meshes");
+  folder.write("scenes/b.json", R"({"name": "A liver"})");
+  folder.write("scenes/a.json", "{");
+  folder.write("meshes/kidney.vtu", "");
+  const std::vector<Shipped> all = library(folder.path);
+  REQUIRE(all.size() == 2);
+  CHECK(all[0].name == "scenes/b.json");
+  CHECK(all[0].title == "A liver");
+  CHECK(all[1].name == "meshes/kidney.vtu");
+  CHECK(library(folder.path / "none").empty());
+}
+
+TEST_CASE("a mesh that is sent is opened with a tissue, changed, and saved as a scene") {
+  Viewed viewed;
+  Page page(viewed);
+  REQUIRE(page.opens(0));
+  CHECK(page.choices["chosen"].is_null());  // its scene was written by hand
+  TetMesh mesh = box_mesh({60, 60, 60}, 3, 3, 3);
+  write_vtu(viewed.folder.path / "cube.vtu", mesh);
+  viewed.viewer->received_file("cube.vtu", content_of(viewed.folder.path / "cube.vtu"));
+  viewed.ask(page.id, to_open({"cube.vtu"}, "kidney"));
+  CHECK(page.comes_to([&] { return page.status.contains("opening"); }));
+  CHECK(page.status["opening"]["title"] == "Opening cube.vtu");
+  REQUIRE(page.opens(1));
+  const Json& chosen = page.choices["chosen"];
+  CHECK(chosen["tissue"] == "kidney");
+  CHECK(chosen["hold"].get<std::string>().size() == 2);
+  CHECK(chosen["has_own_mesh"] == true);
+  CHECK(chosen["size"][0].get<double>() == doctest::Approx(0.06));  // millimetres, by its size
+  CHECK(chosen["tets"] == mesh.tet_count());
+
+  viewed.ask(page.id, {{"do", "remake"}, {"tissue", "spleen"}, {"hold", "z-"}, {"edge", 0}, {"scale", 0}});
+  REQUIRE(page.opens(2));
+  CHECK(page.choices["chosen"]["tissue"] == "spleen");
+  CHECK(page.choices["chosen"]["hold"] == "z-");
+  CHECK(page.choices["chosen"]["size"][0].get<double>() == doctest::Approx(0.06));
+
+  viewed.ask(page.id, {{"do", "save_scene"}, {"to", "kept"}});
+  const Scene kept = read_scene(viewed.folder.path / "kept.json");
+  CHECK(kept.materials[0].name == "spleen");
+  CHECK(mesh_path(kept).parent_path() == viewed.folder.path);
+  CHECK(read_mesh(mesh_path(kept)).mesh.tet_count() == mesh.tet_count());
+}
+
+TEST_CASE("what cannot be opened leaves the organ as it is") {
+  Viewed viewed;
+  Page page(viewed);
+  REQUIRE(page.opens(0));
+  viewed.viewer->received_file("bad.vtu", "no mesh at all");
+  viewed.ask(page.id, to_open({"bad.vtu"}));
+  CHECK(page.comes_to([&] { return page.status.contains("opening"); }));
+  CHECK(page.comes_to([&] { return !page.status.contains("opening"); }));
+  viewed.ask(page.id, to_open({}));
+  viewed.ask(page.id, to_open({"never_sent.stl"}));
+  viewed.ask(page.id, {{"do", "cancel"}});
+  viewed.ask(page.id, {{"do", "open_shipped"}, {"what", "../secret.json"}});
+  viewed.ask(page.id, {{"do", "remake"}, {"tissue", ""}, {"hold", ""}, {"edge", 0}, {"scale", 0}});
+  page.look();
+  CHECK(page.choices["opened"] == 0);
+  CHECK(page.status["scene"] == "block");
+}

@@ -1,0 +1,49 @@
+// The files that pages have sent, in a folder of their own that is removed with this.
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <set>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace lobe::view {
+
+class Inbox {
+ public:
+  static constexpr std::size_t largest_file = std::size_t(128) << 20;  // [bytes]
+  static constexpr std::size_t most = std::size_t(1) << 30;            // of all files [bytes]
+
+  Inbox() = default;
+  ~Inbox() { clear(); }
+  Inbox(const Inbox&) = delete;
+  Inbox& operator=(const Inbox&) = delete;
+
+  // Keeps a file under this name, in place of a former one. Throws InputError for a name that is not plain or
+  // of no kind that lobe reads, for a file that is too large, and where it cannot be written.
+  void take(const std::string& name, std::string_view content);
+  // Where it lies. Throws InputError for one that was not sent.
+  std::filesystem::path path_of(const std::string& name) const;
+  // A new folder in it, for what is made of its files.
+  std::filesystem::path make_folder();
+  void clear();
+  bool has(const std::filesystem::path& file) const;  // whether a file lies in the folder
+
+ private:
+  void make();
+
+  std::filesystem::path folder_;  // empty: nothing was sent yet
+  std::set<std::string> names_;
+  std::size_t size_ = 0;
+  int folders_ = 0;
+};
+
+// The extensions of what may be sent: ".stl" and so on.
+const std::vector<std::string>& readable_extensions();
+
+// Throws InputError if a scene that was sent names a file that does not lie beside it: what a page sends
+// reads nothing else of this machine.
+void check_names_beside(const std::filesystem::path& scene);
+
+}  // namespace lobe::view

@@ -1,0 +1,120 @@
+#include "opening.h"
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "console.h"
+#include "lobe/error.h"
+#include "lobe/mesh/tet_mesh.h"
+#include "lobe/scene/bind_groups.h"
+#include "lobe/scene/material_constants.h"
+#include "lobe/scene/read_scene.h"
+#include "lobe/scene/scene_mesh.h"
+#include "lobe/scene/tissues.h"
+#include "lobe/text.h"
+
+namespace lobe::view {
+namespace {
+
+using Json = nlohmann::json;
+
+// Its lines that tell of an error, without the name of the program; else the last line.
+std::string errors_of(const std::string& said) {
+  std::istringstream lines(said);
+  std::string found, last;
+  for (std::string line; std::getline(lines, line);) {
+    constexpr std::string_view mark = "error: ";
+    if (const std::size_t at = line.find(mark); at != line.npos)
+      found += (found.empty() ? "" : "\n") + line.substr(at + mark.size());
+    if (!line.empty()) last = line;
+  }
+  return found.empty() ? last : found;
+}
+
+// That all of the body has, by its moduli; empty if there is none.
+std::string tissue_of(const Scene& scene) {
+  for (const Tissue& tissue : tissues()) {
+    const bool is_of_all =
+        std::all_of(scene.materials.begin(), scene.materials.end(), [&](const Material& material) {
+          const double young = young_modulus(material.lame_lambda, material.lame_mu);
+          return !material.transverse && std::abs(young - tissue.young_modulus) < 1e-9 * young &&
+                 material.density == tissue.density;
+        });
+    if (is_of_all) return std::string(tissue.name);
+  }
+  return {};
+}
+
+// The side that is held, as `lobe scene` names it; empty if it is none.
+std::string held_side(const Scene& scene) {
+  for (const Boundary& entry : scene.boundary) {
+    const auto* plane = std::get_if<SelectPlane>(&entry.where.value);
+    if (entry.kind != Boundary::Kind::fix || !plane || plane->side != SelectPlane::Side::above) continue;
+    for (int k = 0; k < 3; ++k)
+      if (std::abs(plane->normal[k]) == plane->normal.norm())
+        return std::string(1, "xyz"[k]) + (plane->normal[k] > 0 ? "+" : "-");
+  }
+  return {};
+}
+
+}  // namespace
+
+std::filesystem::path make_scene_file(const Origin& origin, const Choices& choices,
+                                      const std::filesystem::path& folder, Child& child) {
+  const std::filesystem::path scene = folder / (origin.files.front().stem().string() + ".json");
+  std::vector<std::string> arguments{program::sibling("lobe").string(), "scene"};
+  for (const std::filesystem::path& file : origin.files) arguments.push_back(file.string());
+  arguments.insert(arguments.end(), {"-o", scene.string()});
+  const auto add = [&](const char* option, const std::string& value) {
+    if (!value.empty() && value != "0") arguments.insert(arguments.end(), {option, value});
+  };
+  add("--tissue", choices.tissue);
+  add("--hold", choices.hold);
+  add("--edge", exact(choices.edge));
+  add("--scale", exact(choices.scale));
+  const int status = child.run(arguments);
+  if (child.was_stopped()) throw InputError(origin.files.front().filename().string(), "was not opened");
+  if (status == 127) throw InputError("lobe", "not found in the folder of lobe-view or on the PATH");
+  if (status != 0)
+    throw InputError(origin.files.front().filename().string() + " was not opened", errors_of(child.said()));
+  return scene;
+}
+
+std::pair<Scene, Resolved> load_scene(const std::filesystem::path& file,
+                                      const std::function<void(double fraction)>& progress) {
+  Scene scene = read_scene(file);
+  MeshFile mesh = read_scene_mesh(scene);
+  bind_groups(mesh, scene);
+  std::vector<std::string> warnings = mesh.warnings();
+  Resolved resolved = resolve(scene, std::move(mesh.mesh), {true, progress});
+  resolved.warnings.insert(resolved.warnings.begin(), warnings.begin(), warnings.end());
+  return {std::move(scene), std::move(resolved)};
+}
+
+bool has_own_mesh(const Origin& origin, const Scene& scene) {
+  std::error_code error;
+  return origin.files.size() == 1 && scene.bodies.empty() &&
+         std::filesystem::equivalent(origin.files.front(), mesh_path(scene), error);
+}
+
+Json chosen(const Origin& origin, const Scene& scene, const Resolved& resolved) {
+  if (origin.files.empty()) return nullptr;
+  const TetMesh& mesh = resolved.setup.mesh;
+  const Vec3d size = bounding_box(mesh).max - bounding_box(mesh).min;
+  const double volume = total_volume(mesh);
+  Json files = Json::array();
+  for (const std::filesystem::path& file : origin.files) files.push_back(file.filename().string());
+  return {{"files", files},
+          {"tissue", tissue_of(scene)},
+          {"hold", held_side(scene)},
+          {"edge", std::cbrt(6 * std::sqrt(2) * volume / mesh.tet_count())},
+          {"has_own_mesh", has_own_mesh(origin, scene)},
+          {"scale", origin.scale},
+          {"tets", mesh.tet_count()},
+          {"volume", volume},
+          {"size", {size[0], size[1], size[2]}}};
+}
+
+}  // namespace lobe::view

@@ -1,0 +1,44 @@
+// How files become a scene: read as it is, or made by the program `lobe` with what was chosen for it.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "child.h"
+#include "lobe/scene/resolve.h"
+
+namespace lobe::view {
+
+// What is chosen where a scene is made. What is empty or 0 is chosen by `lobe`.
+struct Choices {
+  std::string tissue, hold;  // as the options --tissue and --hold of `lobe scene` have them
+  double edge = 0;           // of tetrahedra that a surface is filled with [m]
+  double scale = 0;          // from the files' coordinates to metres
+};
+
+// Of what a scene was made.
+struct Origin {
+  std::vector<std::filesystem::path>
+      files;         // surfaces, a label image or a mesh; none: it was written by hand
+  double scale = 0;  // that was asked for; 0: found
+};
+
+// Makes a scene in a folder, and returns its file. Throws InputError with what the program says.
+std::filesystem::path make_scene_file(const Origin& origin, const Choices& choices,
+                                      const std::filesystem::path& folder, Child& child);
+
+// Throws InputError as reading and resolving do. Warnings of its mesh are among those of what is resolved.
+std::pair<Scene, Resolved> load_scene(const std::filesystem::path& file,
+                                      const std::function<void(double fraction)>& progress);
+
+// Whether it was made of tetrahedra that were there before, which have no other edge.
+bool has_own_mesh(const Origin& origin, const Scene& scene);
+
+// What was chosen for it, for a page; null for one that was written by hand.
+nlohmann::json chosen(const Origin& origin, const Scene& scene, const Resolved& resolved);
+
+}  // namespace lobe::view

@@ -1,0 +1,128 @@
+// How the viewer answers requests for other organs.
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "lobe/error.h"
+#include "lobe/file/atomic_file.h"
+#include "lobe/scene/read_scene.h"
+#include "lobe/scene/scene_mesh.h"
+#include "lobe/scene/tissues.h"
+#include "lobe/scene/write_scene.h"
+#include "viewer.h"
+
+namespace lobe::view {
+
+using Json = nlohmann::json;
+
+// What is simulated goes on until the other scene is ready, and for good if that fails.
+void Viewer::open(const std::string& title, const Origin& origin, const MakeFile& make_file) {
+  begin(
+      [origin, make_file, options = live_options()](Task& task) {
+        const auto progress = [&](double fraction) { task.fraction = fraction; };
+        std::tie(task.scene, task.resolved) = load_scene(make_file(task.child), progress);
+        LiveOptions live = options;
+        live.running = true;
+        live.condensing = progress;
+        task.live = start_live(task.scene, task.resolved, live);
+        task.origin = origin;
+      },
+      title);
+  changed();
+}
+
+void Viewer::make_and_open(const Origin& origin, const Choices& choices) {
+  std::string names;
+  for (const std::filesystem::path& file : origin.files)
+    names += (names.empty() ? "" : ", ") + file.filename().string();
+  open("Opening " + names, origin, [origin, choices, folder = inbox_.make_folder()](Child& child) {
+    return make_scene_file(origin, choices, folder, child);
+  });
+}
+
+// A scene is taken as it is; anything else becomes one.
+void Viewer::perform(ClientId, const request::Open& what) {
+  if (what.files.empty()) throw InputError("/files", "names no file");
+  Origin origin{{}, what.scale};
+  for (const std::string& name : what.files) {
+    const std::filesystem::path file = inbox_.path_of(name);
+    if (file.extension() == ".json") {
+      check_names_beside(file);
+      return open("Opening " + name, {}, [file](Child&) { return file; });
+    }
+    if (file.extension() != ".ele") origin.files.push_back(file);  // which is read with its .node
+  }
+  if (origin.files.empty()) throw InputError("/files", "the .node file is missing");
+  make_and_open(origin, {what.tissue, what.hold, what.edge, what.scale});
+}
+
+void Viewer::perform(ClientId, const request::OpenShipped& what) {
+  const auto found = std::find_if(library_.begin(), library_.end(),
+                                  [&](const Shipped& shipped) { return shipped.name == what.what; });
+  if (found == library_.end()) throw InputError("/what", "\"" + what.what + "\" does not come with lobe");
+  const std::filesystem::path file = options_.library / found->name;
+  if (file.extension() != ".json") return make_and_open({{file}, 0}, {});
+  open("Opening " + found->title, {}, [file](Child&) { return file; });
+}
+
+// Where neither edge nor scale change, the mesh that is there is taken. Of several surfaces it has not the
+// names.
+void Viewer::perform(ClientId, const request::Remake& what) {
+  if (origin_.files.empty())
+    throw InputError("/do", "the scene was not made from a file: there is nothing to choose");
+  Origin origin = origin_;
+  Choices choices{what.tissue, what.hold, what.edge, what.scale};
+  const bool keeps_mesh = what.edge == 0 && what.scale == 0;
+  if (!keeps_mesh || origin.files.size() > 1) {
+    if (what.edge > 0 && has_own_mesh(origin, scene_))
+      throw InputError("/edge", "the file has tetrahedra of its own, whose edges stay as they are");
+    if (what.scale > 0) origin.scale = what.scale;
+    choices.scale = origin.scale;
+    return make_and_open(origin, choices);
+  }
+  choices.scale = scene_.mesh_scale;
+  open("Opening " + origin.files.front().filename().string(), origin,
+       [mesh = mesh_path(scene_), choices, folder = inbox_.make_folder()](Child& child) {
+         return make_scene_file({{mesh}, choices.scale}, choices, folder, child);
+       });
+}
+
+void Viewer::perform(ClientId, const request::Cancel&) {
+  if (!task_ || task_->title.empty()) throw InputError("/do", "nothing is being opened");
+  task_->child.stop();
+}
+
+void Viewer::perform(ClientId, const request::SaveScene& what) {
+  claim(what.to);
+  Scene scene = with_absolute_paths(scene_);
+  const auto refuse = [&](const std::filesystem::path& file) {
+    if (inbox_.has(file))
+      throw InputError(
+          "/to", file.filename().string() + " was sent with the scene, which is saved where you have it");
+  };
+  refuse(scene.skin);
+  for (const Tool& tool : scene.tools) refuse(tool.shape_file);
+  save_scene_mesh(resolved_.setup.mesh, options_.folder, what.to, scene);
+  const std::filesystem::path file = options_.folder / (what.to + ".json");
+  io::write_file(file, to_json(scene));
+  saved_.insert(what.to);
+  tell_all("note", "Saved. To play it: lobe view " + file.string());
+}
+
+// What a page may choose, and what was chosen: once, and again when another scene is open.
+void Viewer::write_choices(Client& client, BlockWriter& out) {
+  if (client.opened == opened_) return;
+  client.opened = opened_;
+  Json shipped = Json::array(), known = Json::array();
+  for (const Shipped& one : library_) shipped.push_back({{"name", one.name}, {"title", one.title}});
+  for (const Tissue& tissue : tissues())
+    known.push_back({{"name", tissue.name}, {"young", tissue.young_modulus}, {"density", tissue.density}});
+  const Json choices{{"opened", opened_},
+                     {"chosen", chosen(origin_, scene_, resolved_)},
+                     {"shipped", shipped},
+                     {"tissues", known},
+                     {"extensions", readable_extensions()},
+                     {"largest_file", Inbox::largest_file}};
+  write_json(choices_tag, choices.dump(-1, ' ', false, Json::error_handler_t::replace), out);
+}
+
+}  // namespace lobe::view

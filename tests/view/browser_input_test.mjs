@@ -95,15 +95,15 @@ check(
 await page.keyboard.press(' ');
 await until(page, () => lobe.status.running);
 await page.focus('#colour');
-await page.keyboard.press('v');
+await page.keyboard.press('s');
 await page.waitForTimeout(200);
 check(
   await page.evaluate(
     () =>
       document.getElementById('colour').value.startsWith('vo') &&
-      !document.getElementById('video').classList.contains('on'),
+      !document.getElementById('slow').classList.contains('on'),
   ),
-  'a letter chooses in the list of colours, and starts no video',
+  'a letter chooses in the list of colours, and does nothing else',
 );
 await page.focus('#stage');
 const camera = () =>
@@ -120,6 +120,21 @@ check((await moved('ArrowLeft', 0)) < 0 && (await moved('ArrowRight', 0)) > 0, '
 check((await moved('ArrowUp', 1)) > 0 && (await moved('ArrowDown', 1)) < 0, 'up and down as well');
 check((await moved('+', 2)) < 0 && (await moved('-', 2)) > 0, 'plus and minus zoom');
 check((await moved('Shift+ArrowLeft', 3)) !== 0, 'with shift arrows shift it');
+await page.keyboard.press('Home');
+
+// A hand by keys, from the middle of the organ.
+await page.keyboard.press('y');
+await page.keyboard.press('Enter');
+for (let i = 0; i < 4; ++i) await page.keyboard.press('Shift+ArrowUp');
+check(await until(page, () => lobe.force > 0.05), 'Enter takes hold, and arrows pull');
+const azimuth = await camera();
+await page.keyboard.press('PageDown');
+await page.keyboard.press('ArrowLeft');
+check((await camera()).every((value, i) => value === azimuth[i]), 'while they do not move the camera');
+await page.keyboard.press('Enter');
+check(await until(page, () => lobe.force === 0), 'Enter lets go');
+await page.keyboard.press('Escape');
+check((await moved('ArrowLeft', 0)) < 0 && !(await page.isVisible('#key-hand')), 'and Esc gives the arrows back');
 await page.keyboard.press('Home');
 
 // ---- Fingers

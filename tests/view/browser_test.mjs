@@ -69,6 +69,7 @@ check(await until(page, () => lobe.force === 0), 'it lets go');
 await page.keyboard.press('c');
 await drag(page, {x: at.x - 60, y: at.y + 10}, -30, 20);
 check(await until(page, () => lobe.organ.cutCount > 0), 'the cautery leaves cut faces');
+check(await page.evaluate(() => lobe.organ.surface.cut.includes(2)), 'which are charred');
 await shot(page, 'burning');
 await page.mouse.up();
 
@@ -95,6 +96,7 @@ check(
   await until(page, s => lobe.status.tets > s.tets && lobe.organ.cutCount > s.cutFaces, whole),
   'the scalpel parts tetrahedra and opens faces',
 );
+check(await page.evaluate(() => lobe.organ.surface.cut.includes(1)), 'which are not charred');
 await shot(page, 'cutting');
 await page.mouse.up();
 const parted = await sizes();

@@ -73,7 +73,7 @@ function isSmooth([[i], [j]], normal, cut) {
     normal[3 * f] * normal[3 * g] +
     normal[3 * f + 1] * normal[3 * g + 1] +
     normal[3 * f + 2] * normal[3 * g + 2];
-  return cut[f] ? cut[g] === 1 && cosine > foldedCosine : cosine >= creaseCosine;
+  return cut[f] ? cut[g] === cut[f] && cosine > foldedCosine : cosine >= creaseCosine;
 }
 
 // The first vertex at the same place at rest: that of the skin and that of an opened face are two.

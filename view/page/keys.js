@@ -8,7 +8,12 @@ export function listenToKeys(page) {
     const button = document.getElementById(id);
     if (!button.hasAttribute('data-foreign')) button.click();
   };
-  const arrow = (dx, dy) => event => (event.shiftKey ? stage.shift(dx, dy) : stage.turn(dx, dy));
+  const arrow = (dx, dy) => event => {
+    const steps = event.shiftKey ? 4 : 1;
+    if (page.keyHand.isOn) page.keyHand.shift(-Math.sign(dx) * steps, -Math.sign(dy) * steps);
+    else if (event.shiftKey) stage.shift(dx, dy);
+    else stage.turn(dx, dy);
+  };
   const actions = {
     g: press('tool-grasp'),
     c: press('tool-cautery'),
@@ -40,7 +45,12 @@ export function listenToKeys(page) {
     ']': () => page.sizes.change(1),
     '+': () => stage.zoom(1 / nearer),
     '-': () => stage.zoom(nearer),
+    y: () => page.keyHand.toggle(),
+    enter: () => page.keyHand.isOn && page.keyHand.press(),
+    pageup: () => page.keyHand.wheel(-1),
+    pagedown: () => page.keyHand.wheel(1),
     escape: () => {
+      page.keyHand.toggle(false);
       document.getElementById('overlay').dataset.lasting !== '1' &&
         (document.getElementById('overlay').hidden = true);
       page.hands.releaseHeld();
@@ -56,7 +66,7 @@ export function listenToKeys(page) {
     event.preventDefault();
     press(page.mode === 'edit' ? 'undo' : 'undo-act')();
   };
-  const mayRepeat = /^(\.|\+|-|\[|\]|arrow.*)$/;
+  const mayRepeat = /^(\.|\+|-|\[|\]|arrow.*|page.*)$/;
   addEventListener('keydown', event => {
     const key = event.key.toLowerCase(),
       {target} = event;
@@ -65,7 +75,8 @@ export function listenToKeys(page) {
     if (asksToUndo) return undo(event);
     if (event.ctrlKey || event.metaKey || event.altKey) return;
     if (target.matches?.('input[type=range]') && /^(arrow|page|home|end)/.test(key)) return;
-    if (key === ' ' && target.matches?.('button, summary, input')) return; // which it presses
+    // What these press.
+    if ((key === ' ' || key === 'enter') && target.matches?.('button, summary, input')) return;
     const act = actions[key];
     if (!act || (event.repeat && !mayRepeat.test(key))) return;
     event.preventDefault();

@@ -70,23 +70,39 @@ function fineSkin(more) {
   return skin;
 }
 
-function fineOpened(more) {
-  const opened = new THREE.MeshStandardMaterial({
+// Fresh cuts are wet with blood.
+function fineCut(more) {
+  const cut = new THREE.MeshPhysicalMaterial({
     ...underLines,
     vertexColors: true,
-    roughness: 0.9,
-    envMapIntensity: 0.4,
+    roughness: 0.6,
+    clearcoat: 0.7,
+    clearcoatRoughness: 0.15,
+    envMapIntensity: 0.7,
     side: THREE.DoubleSide,
     ...more,
   });
-  roughen(opened, '0.0', '0.0005');
-  return opened;
+  roughen(cut, '0.0004', '0.0003');
+  return cut;
 }
 
-/** Of skin, faded skin, what was cut open, and that faded.
+function fineChar(more) {
+  const char = new THREE.MeshStandardMaterial({
+    ...underLines,
+    vertexColors: true,
+    roughness: 0.95,
+    envMapIntensity: 0.3,
+    side: THREE.DoubleSide,
+    ...more,
+  });
+  roughen(char, '0.0', '0.0006');
+  return char;
+}
+
+/** Of skin, of what was cut, and of what was charred; after each of them faded.
  *  @returns {{materials: THREE.Material[], shine(on: boolean): void}} */
 export function fineLook() {
-  const materials = [fineSkin(), fineSkin(seenThrough), fineOpened(), fineOpened(seenThrough)];
+  const materials = [fineSkin, fineCut, fineChar].flatMap(make => [make(), make(seenThrough)]);
   const shine = on => {
     for (const skin of materials.slice(0, 2)) {
       skin.clearcoat = on ? 0.6 : 0.12;
@@ -162,15 +178,12 @@ function lookedUp(map, options) {
 
 /** The light stays with the camera, as if it was worn on the head. */
 export function quickLook(stage) {
-  const wet = lightMap(stage, 0.5, 0.6, 1),
-    matt = lightMap(stage, 0.9, 0, 0.4),
-    bothSides = {side: THREE.DoubleSide};
+  const bothSides = {side: THREE.DoubleSide};
   const materials = [
-    lookedUp(wet, {}),
-    lookedUp(wet, seenThrough),
-    lookedUp(matt, bothSides),
-    lookedUp(matt, {...bothSides, ...seenThrough}),
-  ];
+    [lightMap(stage, 0.5, 0.6, 1), {}],
+    [lightMap(stage, 0.6, 0.8, 0.7), bothSides],
+    [lightMap(stage, 0.95, 0, 0.3), bothSides],
+  ].flatMap(([map, options]) => [lookedUp(map, options), lookedUp(map, {...options, ...seenThrough})]);
   const shine = on => {
     for (const skin of materials.slice(0, 2)) skin.wetness.value = on ? 1 : 0.2;
   };

@@ -18,6 +18,7 @@ import {Plot} from './plots.js';
 import {listenToPreferences} from './preferences.js';
 import {Section} from './section.js';
 import {graphics, Stage} from './stage.js';
+import {KeyHand} from './key_hand.js';
 import {listenToKeys} from './keys.js';
 import {cutLength, volumeOf} from './measures.js';
 import {Messages} from './messages.js';
@@ -40,6 +41,7 @@ class Page {
     this.sizes = new ToolSizes(element('tool-size'));
     this.hands = new Hands(this.stage, this.organ, this.ask, this.sizes, new DepthGauge(element('depth')));
     this.tape = this.hands.tape = new Tape(this.stage, this.organ, element('labels'));
+    this.keyHand = new KeyHand(this.stage, this.hands);
     this.editor = new Editor(this.ask);
     this.hands.brush = this.editor;
     this.editor.onBrush = quantity => this.mode === 'edit' && this.colour(quantity);
@@ -138,6 +140,7 @@ class Page {
     // Figures beside the organ and in the panel are of the same frame.
     this.isDue = performance.now() - (this.figuresAt ?? 0) > this.stage.betweenFigures();
     if (frame.tools) {
+      this.organ.wounds.see(frame.tools);
       this.newtons.take(frame.tools);
       this.instruments.update(frame.tools, this.isDue);
       this.hands.follow(frame.tools);
@@ -168,13 +171,15 @@ class Page {
     this.opener.take(choices);
     if (!isOther) return;
     this.isOther = true; // until its surface is there
+    this.organ.wounds.forget();
     this.volume = 0;
     this.history.forget(0);
     this.tape.clear();
     this.hands.forget();
   }
 
-  takeTopology({topology, fibres, bodies, status}) {
+  takeTopology({topology, fibres, bodies, positions, tools, status}) {
+    this.organ.wounds.see(tools ?? []);
     this.bodies.take(status?.bodies ?? []);
     this.organ.held = null;
     const first = !this.organ.topology || this.isOther;
@@ -185,7 +190,8 @@ class Page {
       this.hint('Drag the organ to pull it');
     }
     this.organ.x = this.organ.served = null;
-    this.organ.setTopology(topology, fibres, bodies);
+    const x = positions?.revision === topology.revision ? positions.x : undefined;
+    this.organ.setTopology(topology, x, fibres, bodies);
     this.isMeasured = false;
     this.showLegend();
   }
@@ -445,6 +451,7 @@ class Page {
       this.hint(blade ? `${inMillimetres(blade.depth)} deep; the wheel changes it` : '');
     listenToPreferences((name, on) => {
       if (name === 'light') this.stage.setTheme(on ? 'light' : 'dark');
+      for (const plot of [this.forcePlot, this.energyPlot]) plot.dress();
     });
     this.take('grasp');
     listenToKeys(this);

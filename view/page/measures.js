@@ -32,7 +32,7 @@ function placesOf(rest) {
  * @param {{triangles: Uint32Array, rest: Float32Array, cut: Uint8Array}} surface @returns {number} [m]
  */
 export function cutLength({triangles, rest, cut}) {
-  if (!cut.includes(1)) return 0;
+  if (!cut.some(kind => kind > 0)) return 0;
   const places = placesOf(rest),
     skin = new Set(),
     rim = new Map();

@@ -8,6 +8,18 @@ const betweenTexts = 250; // of a card that is said again and again [ms]
 const quiet = /sub_stepped|unravelling|lumped|cache|went_back/;
 const serious = /stands_still|failed|diverged|too_stiff|everything_cut|refused/;
 
+// For a surgeon; what the simulation says of it stands in the card's title, and in its place with details.
+const words = {
+  diverged: 'The simulation broke down. Go back, or restart.',
+  near_inversion: 'Tissue is crushed almost flat at one place. Pull or press less there.',
+  pieces: 'A piece has come loose.',
+  everything_cut: 'Nothing of the organ is left.',
+  torn: 'A stitch has torn out of the tissue.',
+  broken: 'A thread has broken.',
+  slipped: 'The grip slipped off: it was pulled too hard.',
+  missed: 'There is nothing to take hold of.',
+};
+
 const keyOf = ({name, about}) => `${name} ${about ?? ''}`;
 
 export class Messages {
@@ -30,7 +42,7 @@ export class Messages {
       const news = times - (known.get(key) ?? 0);
       if (news <= 0) continue;
       const {name, text} = messages.findLast(message => keyOf(message) === key);
-      if (!quiet.test(name)) this.add(text, serious.test(name) ? 'bad' : 'warn', key, news);
+      if (!quiet.test(name)) this.add(text, serious.test(name) ? 'bad' : 'warn', key, news, words[name]);
     }
   }
 
@@ -38,10 +50,12 @@ export class Messages {
     this.known = null;
   }
 
-  /** @param {string} key what it is about: there is one card for it @param {number} times it was said */
-  add(text, kind = '', key = text, times = 1) {
+  /** @param {string} key what it is about: there is one card for it @param {number} times it was said
+   *  @param {string} [plain] the same in plain words */
+  add(text, kind = '', key = text, times = 1, plain = text) {
     const card = this.cards.get(key) ?? this.make(kind, key);
     card.text = text;
+    card.plain = plain;
     card.times += times;
     clearTimeout(card.leaving);
     card.leaving = setTimeout(() => this.remove(card), 1e3 * (seconds[kind] ?? 6));
@@ -57,7 +71,7 @@ export class Messages {
     const line = Object.assign(document.createElement('div'), {className: `message ${kind}`});
     line.innerHTML = '<span></span><b></b>';
     line.onclick = () => this.remove(card);
-    const card = {key, kind, line, text: '', times: 0, written: -Infinity};
+    const card = {key, kind, line, text: '', plain: '', times: 0, written: -Infinity};
     this.cards.set(key, card);
     this.element.append(line);
     return card;
@@ -70,7 +84,9 @@ export class Messages {
       card.writing = null;
       card.written = performance.now();
       const [text, count] = card.line.children;
-      text.textContent = card.line.title = card.text;
+      const isTechnical = document.body.classList.contains('details');
+      text.textContent = isTechnical ? card.text : card.plain;
+      card.line.title = card.text;
       count.textContent = card.times > 1 ? `${card.times} ×` : '';
     };
     const wait = card.written + betweenTexts - performance.now();

@@ -1,9 +1,11 @@
 // The organ as it is drawn: its skin wet, what was cut open matt and dark.
 import * as THREE from './third_party/three-0.187.0/three.module.js';
-import {heldColour, light, materialColours, models, quantities, rampColours, tissueOf} from './colours.js';
+import {charColours, heldColour, light, materialColours, models} from './colours.js';
+import {quantities, rampColours, tissueOf} from './colours.js';
 import {Fibres} from './fibres.js';
 import {fineLook, quickLook} from './looks.js';
 import {SmoothSurface} from './smooth_surface.js';
+import {Wounds} from './wounds.js';
 
 const joined = (a, b) => {
   const both = new Float32Array(a.length + b.length);
@@ -41,6 +43,7 @@ export class Organ {
     );
     this.shadow.matrixAutoUpdate = this.shadow.frustumCulled = false;
     stage.scene.add(this.mesh, this.lines, this.rim, this.shadow);
+    this.wounds = new Wounds();
     this.section = null; // section.js: what is not drawn is not hit
     this.fibres = new Fibres(stage, document.getElementById('fibres'));
     stage.onLook.push(() => this.dress());
@@ -71,9 +74,11 @@ export class Organ {
     }
   }
 
-  /** @param {Uint8Array} [body] of each triangle, where there are several */
-  setTopology(topology, fibres, body) {
-    this.surface = {...topology, body}; // of the tetrahedra, as the server tells it
+  /** @param {Float32Array} [x] present positions, where it is not at rest
+   *  @param {Uint8Array} [body] of each triangle, where there are several */
+  setTopology(topology, x, fibres, body) {
+    const cut = this.wounds.kinds(topology, x ?? topology.rest);
+    this.surface = {...topology, cut, body}; // of the tetrahedra, as the server tells it
     this.topology = this.composed();
     this.revision = topology.revision;
     this.cutCount = topology.cut.reduce((sum, c) => sum + c, 0);
@@ -121,16 +126,20 @@ export class Organ {
     const {surface, skin} = this;
     if (!this.showsSkin()) return surface.body ? this.withoutHidden() : surface;
     const triangles = [],
+      of = [],
       count = surface.rest.length / 3;
     for (let t = 0; t < surface.cut.length; ++t)
-      if (surface.cut[t]) triangles.push(...surface.triangles.subarray(3 * t, 3 * t + 3));
-    const opened = triangles.length / 3;
+      if (surface.cut[t]) {
+        triangles.push(...surface.triangles.subarray(3 * t, 3 * t + 3));
+        of.push(t);
+      }
+    const opened = of.length;
     for (const v of skin.triangles) triangles.push(count + v);
     return {
       triangles: Uint32Array.from(triangles),
       rest: joined(surface.rest, skin.rest),
       region: new Uint8Array(triangles.length / 3),
-      cut: new Uint8Array(triangles.length / 3).fill(1, 0, opened),
+      cut: Uint8Array.from({length: triangles.length / 3}, (_, t) => (t < opened ? surface.cut[of[t]] : 0)),
     };
   }
 
@@ -278,12 +287,14 @@ export class Organ {
       tints = materialColours.map(light);
     const tissues = [...Array(body ? 256 : 1).keys()].map(b => {
       const {skin, opened} = tissueOf(b);
-      return [light(skin), light(opened)];
+      return [light(skin), light(opened), light(charColours.face)];
     });
+    const isRim = this.besideBurns(),
+      rim = light(charColours.rim);
     const values = this.smooth.spread(t => {
       if (ofMaterials) return tints[this.materials[of ? of[t] : t] % tints.length];
       if (byRegion) return (cut[t] ? lighter : colours)[region[t]];
-      return tissues[body ? body[t] : 0][cut[t]];
+      return isRim(t) ? rim : tissues[body ? body[t] : 0][cut[t]];
     });
     if (this.quantity === 'tissue') this.mottle(values);
     if ((byRegion || ofMaterials) && this.held) this.tint(values);
@@ -291,6 +302,17 @@ export class Organ {
     this.colour.needsUpdate = true;
     this.look.shine(this.quantity === 'tissue');
     this.stage.invalidate();
+  }
+
+  // Which triangles of the skin meet a charred face.
+  besideBurns() {
+    const {triangles, rest, cut} = this.topology,
+      key = v => `${rest[3 * v]},${rest[3 * v + 1]},${rest[3 * v + 2]}`,
+      burnt = new Set();
+    triangles.forEach((v, i) => cut[Math.floor(i / 3)] === 2 && burnt.add(key(v)));
+    if (burnt.size === 0) return () => false;
+    const isBurnt = Uint8Array.from({length: rest.length / 3}, (_, v) => Number(burnt.has(key(v))));
+    return t => cut[t] === 0 && [0, 1, 2].some(k => isBurnt[triangles[3 * t + k]]);
   }
 
   // Living tissue is of no one colour.

@@ -24,6 +24,7 @@ export function showHelp() {
     ['Arrows · + − · Shift with arrows', 'the same by keys; Home: from the front, all of the organ'],
     ['G · C · X · P · J · E', 'grasp · cautery · scalpel · probe · jaws · paint regions'],
     ['T, then left drag', 'measure a distance; Esc takes the tape away'],
+    ['Y', 'a hand by keys: arrows move it (with Shift faster), Enter takes hold and lets go, Page up and down are the wheel'],
     ['[ · ]', 'smaller · larger instrument; for the scalpel: the depth at which it begins'],
     ['Space · . · S', 'pause · one frame · slow motion'],
     ['Ctrl Z · B · R', 'undo: back to before the last act · back by a second · restart'],

@@ -8,10 +8,11 @@ export class Plot {
   constructor(element, series, digits) {
     this.data = [[], ...series.map(() => [])];
     this.element = element;
+    const ofPage = name => () => getComputedStyle(document.body).getPropertyValue(name);
     const axis = {
-      stroke: '#8fa1a8',
+      stroke: ofPage('--soft'),
       font: '11px system-ui',
-      grid: {stroke: 'rgba(255,255,255,.06)', width: 1},
+      grid: {stroke: ofPage('--line'), width: 1},
       ticks: {show: false},
     };
     this.plot = new uPlot(
@@ -56,6 +57,11 @@ export class Plot {
     this.drawn = now;
     this.plot.setData(this.data, false);
     this.plot.setScale('x', {min: Math.max(0, time - seconds), max: Math.max(seconds, time)});
+  }
+
+  /** The page has other colours. */
+  dress() {
+    this.plot.redraw(false);
   }
 
   clear() {

@@ -27,7 +27,8 @@ export class SmoothSurface {
     this.vertexCount = vertices;
     this.parts = 4 ** levels;
     this.order = order; // per control triangle: the server's
-    this.counts = groups.map(group => group.length); // skin, faded skin, opened, faded opened
+    // Of skin, of what was cut, and of what was charred; after each of them faded.
+    this.counts = groups.map(group => group.length);
     this.skinCount = this.counts[0] + this.counts[1];
     this.scratch = [new Float32Array(3 * start.source.length)];
     for (const weights of this.levels) this.scratch.push(new Float32Array(3 * weights.rows));
@@ -71,7 +72,7 @@ export class SmoothSurface {
 }
 
 function skinFirst({cut, faded}) {
-  const groups = [[], [], [], []];
+  const groups = [[], [], [], [], [], []];
   for (let t = 0; t < cut.length; ++t) groups[2 * cut[t] + (faded?.[t] ?? 0)].push(t);
   return groups;
 }

@@ -105,6 +105,24 @@ TEST_CASE("restart and back put the body where it was; hands let go, and the who
   for (int threads : {1, 2}) CHECK(replays(session, setup, threads));
 }
 
+TEST_CASE("one can go back to the moment before a hand took hold, not only to states some time apart") {
+  const Setup setup = block();
+  SessionOptions options;
+  options.back_every = 100;
+  Session<float> session(setup, options), fresh(setup);
+  Controller mouse = session.connect("mouse");
+  step(session, 5);
+  mouse.send(take_at(top));
+  mouse.send(lead_to(top + lift));
+  step(session, 7);
+  mouse.send(ask_for(Kind::back, 6.5 * session.frame()));
+  step(session, 1);
+  CHECK(session.world().time() == 6 * session.frame());
+  step(fresh, 6);
+  CHECK(same_bits(session.world(), fresh.world()));
+  CHECK(replays(session, setup, 1));
+}
+
 TEST_CASE("states to go back to stay within their memory; with little of it one goes back further") {
   const Setup setup = block();
   World<float> world(setup);

@@ -1,5 +1,5 @@
 // What the hands did, as marks on a bar of the simulated time, and the way back to before each of them. The
-// simulation keeps a state every half second; it goes back to the last one before the act.
+// simulation keeps the state in which each act began, and one every half second.
 const words = {
   grasp: 'Pull',
   cautery: 'Burn',
@@ -14,7 +14,7 @@ export class History {
   constructor(bar, goBack) {
     this.bar = bar;
     this.goBack = goBack;
-    this.acts = []; // {kind, time, mark}, the newest at the end
+    this.acts = []; // {kind, time, mark, number}, the newest at the end
     this.time = 0; // of the simulation, as last heard [s]
     this.onChange = () => {}; // of the acts
     this.wanted = null; // to be gone back to [s]
@@ -24,13 +24,13 @@ export class History {
     };
   }
 
-  /** A hand has begun something. */
-  begin(kind) {
+  /** A hand has begun something. @param {number} number of the request that it makes */
+  begin(kind, number) {
     if (!(kind in words)) return;
     const mark = document.createElement('button'),
-      act = {kind, time: this.time, mark},
+      act = {kind, time: this.time, mark, number},
       what = `${words[kind]} at ${this.time.toFixed(1)} s: go back to before it`;
-    Object.assign(mark, {className: kind, title: what, ariaLabel: what, onclick: () => this.to(act.time)});
+    Object.assign(mark, {className: kind, title: what, ariaLabel: what, onclick: () => this.before(act)});
     this.acts.push(act);
     this.bar.append(mark);
     this.place();
@@ -40,19 +40,27 @@ export class History {
   /** Back to before the last act. @returns {boolean} whether there was one */
   undo() {
     const last = this.acts.at(-1);
-    if (last) this.to(last.time);
+    if (last) this.before(last);
     return Boolean(last);
   }
 
-  to(time) {
-    this.wanted = time;
-    this.goBack(Math.max(0, this.time - time) + margin);
+  before({time, hasBegun}) {
+    this.to(time, hasBegun ? 0 : margin);
   }
 
-  /** The simulation is at this time [s]. What it has gone back over is forgotten. */
-  take(time) {
+  to(time, earlier = margin) {
+    this.wanted = time;
+    this.goBack(Math.max(0, this.time - time) + earlier);
+  }
+
+  /** The simulation is at this time [s], and knows of the requests up to this number. What it has gone back
+   *  over is forgotten. */
+  take(time, seen = 0) {
     const before = this.time;
     this.time = time;
+    // By then an act that was asked for has begun, a moment ago.
+    for (const act of this.acts)
+      if (!act.hasBegun && seen >= act.number && time >= act.time) Object.assign(act, {time, hasBegun: true});
     if (time < before) {
       this.forget(Math.min(time, this.wanted ?? time));
       // It was further ahead than thought.

@@ -217,7 +217,7 @@ class Page {
     if (status.run !== this.run) this.beginAnew(status.run);
     this.messages.take(status.messages ?? []);
     if (status.mode === 'live') {
-      this.history.take(status.time);
+      this.history.take(status.time, status.seen);
       this.forcePlot.pause = this.energyPlot.pause = 1.5 * this.stage.betweenFigures();
       const felt = status.haptic?.force;
       this.forcePlot.add(status.time, [...this.newtons.values, felt ? Math.hypot(...felt) : null]);
@@ -444,7 +444,7 @@ class Page {
     element('section-depth').oninput = ({target}) => this.section.setDepth(target.value / 100);
     this.hands.onAct = kind => {
       this.hint('');
-      if (kind !== 'paint') this.history.begin(kind);
+      if (kind !== 'paint') this.history.begin(kind, this.connection.number + 1);
     };
     this.hands.onHover = (hit, x, y) => this.bodies.point(hit ? this.organ.bodyOf(hit) : undefined, x, y);
     this.hands.onBlade = blade =>

@@ -12,6 +12,11 @@ namespace {
 using Clock = Pace::Clock;
 using Kind = HandCommand::Kind;
 
+// Whether a hand begins something with it: one can go back to the moment before.
+bool begins_an_act(Kind kind) {
+  return kind == Kind::take_at_ray || kind == Kind::take_at_point || kind == Kind::bring;
+}
+
 bool is_above_0(double value) { return value > 0 && std::isfinite(value); }
 
 const SessionOptions& checked(const SessionOptions& options) {
@@ -168,6 +173,7 @@ void Session<Real>::perform_command(const HandQueue::Sent& sent) {
     const bool goes_back = sent.command.kind == Kind::restart || sent.command.kind == Kind::back;
     if (has_failed_ && !goes_back && sent.command.kind != Kind::alive)
       throw InputError("session", "has failed: go back, or restart");
+    if (begins_an_act(sent.command.kind)) timeline_.keep();
     if (sent.command.kind <= Kind::let_go)
       hands_.perform_command(sent.controller, sent.command);
     else

@@ -29,6 +29,8 @@ class Timeline {
 
   void apply(const Command& command) { recorder_.apply(command); }
   Report advance(double duration);
+  // Keeps the present state as well, so that one can go back to exactly here.
+  void keep() { checkpoints_.keep_now(world_, recording().commands.size()); }
   // Goes back to the latest state that is at least `seconds` old, else to the first. Grasps of hands then let
   // go, and other tools of hands are taken away.
   void go_back(double seconds);

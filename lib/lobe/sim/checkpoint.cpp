@@ -209,9 +209,15 @@ Checkpoint<Real> read_checkpoint(const std::filesystem::path& file) {
 
 template <class Real>
 void CheckpointRing<Real>::keep(const World<Real>& world, std::size_t mark) {
-  if (most_ == 0) return;
   if (!entries_.empty() && world.time() < entries_.back().checkpoint.state.time + apart_ - just_before)
     return;
+  keep_now(world, mark);
+}
+
+template <class Real>
+void CheckpointRing<Real>::keep_now(const World<Real>& world, std::size_t mark) {
+  if (most_ == 0) return;
+  if (!entries_.empty() && world.time() == entries_.back().checkpoint.state.time) return;
   if (entries_.size() == most_) entries_.pop_front();
   Checkpoint<Real> checkpoint = world.save();
   const std::size_t size = io::memory_of(checkpoint);

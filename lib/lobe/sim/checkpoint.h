@@ -79,7 +79,8 @@ class CheckpointRing {
   CheckpointRing(std::size_t most, double apart, std::size_t most_bytes = SIZE_MAX)
       : most_(most), apart_(apart), most_bytes_(most_bytes) {}
 
-  void keep(const World<Real>& world, std::size_t mark = 0);  // if the last is old enough
+  void keep(const World<Real>& world, std::size_t mark = 0);      // if the last is old enough
+  void keep_now(const World<Real>& world, std::size_t mark = 0);  // unless the last is of this time
   // Removes the checkpoints after this time [s] and returns the latest one that is left. Null if none is
   // left.
   const Entry* latest(double time);

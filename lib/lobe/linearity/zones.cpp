@@ -1,14 +1,41 @@
 #include "lobe/linearity/zones.h"
 
-#include <metis.h>
-
 #include <algorithm>
 #include <numeric>
 
 #include "lobe/error.h"
+
+#ifdef LOBE_WITHOUT_METIS
+#include "lobe/linearity/halving.h"
+#else
+#include <metis.h>
+
 #include "lobe/numerics/metis_lock.h"
+#endif
 
 namespace lobe {
+namespace {
+
+// The part of each tetrahedron, 0 … count − 1.
+std::vector<Index> parts_of(const Elements& elements, Index count) {
+#ifdef LOBE_WITHOUT_METIS
+  return parts_by_halving(elements, count);
+#else
+  const Index tet_count = elements.topology.tet_count();
+  std::vector<idx_t> start, corners, part(static_cast<std::size_t>(tet_count)),
+      vertex_part(std::size_t(elements.topology.vertex_count()));
+  for (Index t = 0; t <= tet_count; ++t) start.push_back(4 * t);
+  for (Index t = 0; t < tet_count; ++t)
+    for (Index v : elements.topology.corners(t)) corners.push_back(v);
+  idx_t size = tet_count, vertices = elements.topology.vertex_count(), shared = 3, parts = count, cut = 0;
+  const auto metis = lock_metis();
+  METIS_PartMeshDual(&size, &vertices, start.data(), corners.data(), nullptr, nullptr, &shared, &parts,
+                     nullptr, nullptr, &cut, part.data(), vertex_part.data());
+  return {part.begin(), part.end()};
+#endif
+}
+
+}  // namespace
 
 Zones::Zones(const Elements& elements, Index count) : of(std::size_t(elements.topology.tet_count()), 0) {
   const Index tet_count = elements.topology.tet_count();
@@ -18,16 +45,7 @@ Zones::Zones(const Elements& elements, Index count) : of(std::size_t(elements.to
   if (count == tet_count) {
     std::iota(of.begin(), of.end(), 0);
   } else if (count > 1) {
-    std::vector<idx_t> start, corners, part(of.size()),
-        vertex_part(std::size_t(elements.topology.vertex_count()));
-    for (Index t = 0; t <= tet_count; ++t) start.push_back(4 * t);
-    for (Index t = 0; t < tet_count; ++t)
-      for (Index v : elements.topology.corners(t)) corners.push_back(v);
-    idx_t size = tet_count, vertices = elements.topology.vertex_count(), shared = 3, parts = count, cut = 0;
-    const auto metis = lock_metis();
-    METIS_PartMeshDual(&size, &vertices, start.data(), corners.data(), nullptr, nullptr, &shared, &parts,
-                       nullptr, nullptr, &cut, part.data(), vertex_part.data());
-    std::copy(part.begin(), part.end(), of.begin());
+    of = parts_of(elements, count);
   }
   const Index first_copy = tet_count - elements.topology.tet_copy_count();
   for (Index t = first_copy; t < tet_count; ++t)

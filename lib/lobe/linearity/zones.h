@@ -1,4 +1,4 @@
-// Divides a body into connected zones of about equal size. A zone is linear or non-linear as a whole.
+// Divides a body into zones of about equal size. A zone is linear or non-linear as a whole.
 #pragma once
 
 #include <vector>
@@ -8,7 +8,8 @@
 namespace lobe {
 
 struct Zones {
-  // By METIS, so that zones share few faces. `count` 1 … #tetrahedra, and then each is a zone of its own.
+  // By METIS, so that zones share few faces, or by halving. `count` 1 … #tetrahedra, and then each is a zone
+  // of its own.
   Zones(const Elements& elements, Index count);
 
   Index count() const { return static_cast<Index>(tets.size()); }

@@ -2,24 +2,21 @@
 
 #include <Eigen/SparseCholesky>
 #include <algorithm>
-#include <iostream>  // Eigen's MetisSupport needs it
 #include <span>
 
-#include <Eigen/MetisSupport>
-
-#include "lobe/numerics/metis_lock.h"
+#include "lobe/numerics/fill_ordering.h"
 
 namespace lobe {
 namespace {
 
-using Simplicial = Eigen::SimplicialLDLT<SparseFactor::Matrix, Eigen::Lower, Eigen::MetisOrdering<int>>;
+using Simplicial = Eigen::SimplicialLDLT<SparseFactor::Matrix, Eigen::Lower, FillOrdering>;
 
 class Ldlt : public SparseFactor {
  public:
-  const char* name() const override { return "Eigen simplicial LDLT, METIS nested dissection"; }
+  const char* name() const override { return "Eigen simplicial LDLT, " LOBE_FILL_ORDERING; }
   bool takes_indefinite() const override { return true; }
   void analyse(const Matrix& A) override {
-    const auto metis = lock_metis();
+    const auto lock = lock_fill_ordering();
     factor_.analyzePattern(A);
   }
 

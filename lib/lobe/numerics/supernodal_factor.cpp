@@ -5,6 +5,7 @@
 #include <numeric>
 #include <span>
 
+#include "lobe/numerics/fill_ordering.h"
 #include "lobe/numerics/supernodes.h"
 #include "lobe/numerics/symmetric_sweep.h"
 
@@ -15,7 +16,7 @@ class Supernodal : public SparseFactor {
  public:
   using Dense = Eigen::MatrixXd;
 
-  const char* name() const override { return "supernodal block LDLT, METIS nested dissection"; }
+  const char* name() const override { return "supernodal block LDLT, " LOBE_FILL_ORDERING; }
   bool takes_indefinite() const override { return false; }
   void analyse(const Matrix& A) override;
   bool factorise(const Matrix& A, Eigen::Index negative) override;

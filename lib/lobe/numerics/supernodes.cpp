@@ -1,12 +1,9 @@
 #include "lobe/numerics/supernodes.h"
 
 #include <algorithm>
-#include <iostream>  // Eigen's MetisSupport needs it
 #include <numeric>
 
-#include <Eigen/MetisSupport>
-
-#include "lobe/numerics/metis_lock.h"
+#include "lobe/numerics/fill_ordering.h"
 #include "lobe/sort_unique.h"
 
 namespace lobe {
@@ -49,7 +46,7 @@ Groups find_groups(const Eigen::SparseMatrix<double>& A) {
   return groups;
 }
 
-std::vector<int> nested_dissection(const Lists& neighbours) {  // the groups in order
+std::vector<int> ordered(const Lists& neighbours) {  // the groups, so that the factor has few entries
   const auto count = static_cast<int>(neighbours.size());
   std::vector<int> order(neighbours.size());
   std::iota(order.begin(), order.end(), 0);
@@ -63,8 +60,8 @@ std::vector<int> nested_dissection(const Lists& neighbours) {  // the groups in 
   pattern.setFromTriplets(entries.begin(), entries.end());
   Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, int> places;
   {
-    const auto metis = lock_metis();
-    Eigen::MetisOrdering<int>()(pattern, places);
+    const auto lock = lock_fill_ordering();
+    FillOrdering()(pattern, places);
   }
   std::copy_n(places.indices().data(), count, order.begin());
   return order;
@@ -168,7 +165,7 @@ void Supernodes::number() {
 
 Supernodes find_supernodes(const Eigen::SparseMatrix<double>& A) {
   const Groups groups = find_groups(A);
-  std::vector<int> order = nested_dissection(groups.neighbours);
+  std::vector<int> order = ordered(groups.neighbours);
   const std::vector<int> later = postorder(elimination_tree(groups.neighbours, order, inverse(order)));
   std::vector<int> final_order;
   for (int i : later) final_order.push_back(order[std::size_t(i)]);

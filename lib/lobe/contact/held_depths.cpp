@@ -54,7 +54,7 @@ void HeldDepths::add(int triangle, const Eigen::Vector3i& points, const Vec3d& w
 void HeldDepths::end(const ContactSurface& surface, const ContactLaw& law, double time) {
   for (int t : triangles_) {
     const ContactSurface::Triangle& triangle = surface.triangles()[std::size_t(t)];
-    OfTriangle& kept = next_.emplace_back(triangle.owner.tet, triangle.owner.code);
+    OfTriangle& kept = next_.emplace_back(OfTriangle{triangle.owner.tet, triangle.owner.code, Vec3d::Zero()});
     for (int c = 0; c < 3; ++c) {
       const auto p = std::size_t(triangle.points[c]);
       const Sum& sum = sums_[p];

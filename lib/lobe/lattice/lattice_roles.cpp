@@ -169,7 +169,7 @@ std::vector<std::uint8_t> LatticeRegion<Real>::within(const Elements& elements,
     if (elements.topology.alive(t)) meet(t, t);
   for (std::size_t i = 0; i < queue.size(); ++i) {
     const auto [tet, start] = queue[i];
-    elements.topology.for_neighbours(tet, [&](int, Index other) {
+    elements.topology.for_neighbours(tet, [&, start = start](int, Index other) {
       if ((middle(other) - middle(start)).norm() <= distance) meet(other, start);
     });
   }

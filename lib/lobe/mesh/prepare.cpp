@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <tuple>
 
 #include "lobe/error.h"
 #include "lobe/mesh/quality.h"
@@ -151,7 +152,9 @@ Index orient(TetMesh& mesh, const std::string& name, std::vector<Fault>& faults)
 struct SortedCorners {
   std::array<Index, 4> key;
   Index tet;
-  auto operator<=>(const SortedCorners&) const = default;
+  bool operator<(const SortedCorners& other) const {
+    return std::tie(key, tet) < std::tie(other.key, other.tet);
+  }
 };
 
 void check_duplicates(const TetMesh& mesh, const std::string& name, std::vector<Fault>& faults) {
@@ -177,7 +180,7 @@ void check_duplicates(const TetMesh& mesh, const std::string& name, std::vector<
 struct Face {
   std::array<Index, 3> key;
   Index tet;
-  auto operator<=>(const Face&) const = default;
+  bool operator<(const Face& other) const { return std::tie(key, tet) < std::tie(other.key, other.tet); }
 };
 
 void check_faces(const TetMesh& mesh, const std::string& name, std::vector<Fault>& faults) {

@@ -233,7 +233,7 @@ void Grains::bisect(const std::vector<Incision::Bisection>& edges, std::uint32_t
   for (std::size_t i = 0; i < edges.size(); ++i) {
     const auto [a, b, share] = edges[i];
     star.assign(around_[a].begin(), around_[a].end());
-    std::erase_if(star, [&](Index grain) { return place_of((*this)[grain].points, b) < 0; });
+    std::erase_if(star, [&, b = b](Index grain) { return place_of((*this)[grain].points, b) < 0; });
     const Index halves = count(), point = first + static_cast<Index>(i);
     for (Index grain : star) bisect(grain, a, b, point, share);
     link_halves(star, halves, a, point);

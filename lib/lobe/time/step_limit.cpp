@@ -18,7 +18,7 @@ double small_about(double farthest) {
 // The longest stable step of x'' = −ω² x − c x', whose damping is taken half a step late: the Δt [s] of
 // ω²Δt² + 2cΔt = 4.
 double limit_of(double omega, double c) {  // [rad/s], [1/s]
-  if (c > 0) return 4 / (c + std::hypot(c, 2 * omega));
+  if (c > 0) return 4 / (c + std::sqrt(c * c + 4 * omega * omega));
   return omega > 0 ? 2 / omega : std::numeric_limits<double>::infinity();
 }
 

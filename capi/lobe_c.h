@@ -12,7 +12,11 @@
 
 #include <stdint.h>
 
-#if defined(__GNUC__)
+#if defined(_WIN32) && defined(lobe_c_EXPORTS)
+#define LOBE_API __declspec(dllexport)
+#elif defined(_WIN32)
+#define LOBE_API __declspec(dllimport)
+#elif defined(__GNUC__)
 #define LOBE_API __attribute__((visibility("default")))
 #else
 #define LOBE_API

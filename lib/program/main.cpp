@@ -52,6 +52,7 @@ int make_and_view(int argc, char** argv) {
                "lobe view FILE…");
   MakeSceneOptions options;
   add_make_scene_options(app, options);
+  app.allow_windows_style_options(false);
   app.allow_extras();
   int at = 2;
   for (; at < argc && argv[at][0] != '-'; ++at) options.files.emplace_back(argv[at]);
@@ -258,8 +259,10 @@ void add_run(CLI::App& app, SceneOptions& options, Action& action) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  take_utf8_arguments(argc, argv);
   if (const std::optional<int> status = run_other_program(argc, argv)) return *status;
   CLI::App app{"Hybrid linear / non-linear organ models in real time"};
+  app.allow_windows_style_options(false);  // a file may be /home/scene.json there, too
   app.require_subcommand(1);
   app.set_version_flag("--version", LOBE_VERSION);
   Action action;

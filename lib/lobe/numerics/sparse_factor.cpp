@@ -42,7 +42,7 @@ class Ldlt : public SparseFactor {
 constexpr int batch = 32;
 using Rows = Eigen::Matrix<double, Eigen::Dynamic, batch, Eigen::RowMajor>;
 
-#ifdef LOBE_X86_KERNELS
+#if defined(LOBE_X86_KERNELS) && defined(__ELF__)  // Windows has no functions that are chosen at load
 #define LOBE_WIDE [[gnu::target_clones("default", "avx2", "avx512f")]]
 #else
 #define LOBE_WIDE

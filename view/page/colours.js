@@ -35,7 +35,7 @@ const tissues = [
 ];
 export const tissueOf = body => tissues[body % tissues.length];
 /** Of what a cautery has burnt: its faces, and the skin beside them. */
-export const charColours = {face: [0.085, 0.06, 0.05], rim: [0.2, 0.11, 0.085]};
+export const charColours = {face: [0.14, 0.1, 0.085], rim: [0.17, 0.1, 0.08]};
 export const heldColour = [0.93, 0.78, 0.35];
 
 const viridis = [

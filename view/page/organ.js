@@ -289,14 +289,15 @@ export class Organ {
       const {skin, opened} = tissueOf(b);
       return [light(skin), light(opened), light(charColours.face)];
     });
-    const isRim = this.besideBurns(),
-      rim = light(charColours.rim);
     const values = this.smooth.spread(t => {
       if (ofMaterials) return tints[this.materials[of ? of[t] : t] % tints.length];
       if (byRegion) return (cut[t] ? lighter : colours)[region[t]];
-      return isRim(t) ? rim : tissues[body ? body[t] : 0][cut[t]];
+      return tissues[body ? body[t] : 0][cut[t]];
     });
-    if (this.quantity === 'tissue') this.mottle(values);
+    if (this.quantity === 'tissue') {
+      this.scorch(values);
+      this.mottle(values);
+    }
     if ((byRegion || ofMaterials) && this.held) this.tint(values);
     this.colour.array.set(values);
     this.colour.needsUpdate = true;
@@ -304,15 +305,22 @@ export class Organ {
     this.stage.invalidate();
   }
 
-  // Which triangles of the skin meet a charred face.
-  besideBurns() {
+  // The skin is charred where it meets a charred face, less and less away from there.
+  scorch(values) {
     const {triangles, rest, cut} = this.topology,
       key = v => `${rest[3 * v]},${rest[3 * v + 1]},${rest[3 * v + 2]}`,
       burnt = new Set();
     triangles.forEach((v, i) => cut[Math.floor(i / 3)] === 2 && burnt.add(key(v)));
-    if (burnt.size === 0) return () => false;
-    const isBurnt = Uint8Array.from({length: rest.length / 3}, (_, v) => Number(burnt.has(key(v))));
-    return t => cut[t] === 0 && [0, 1, 2].some(k => isBurnt[triangles[3 * t + k]]);
+    if (burnt.size === 0) return;
+    const ofSkin = new Float32Array(rest.length / 3);
+    triangles.forEach((v, i) => {
+      if (cut[Math.floor(i / 3)] === 0 && burnt.has(key(v))) ofSkin[v] = 1;
+    });
+    const shares = this.smooth.interpolate(ofSkin, 1),
+      rim = light(charColours.rim);
+    shares.forEach((share, v) => {
+      for (let k = 0; k < 3; ++k) values[3 * v + k] += share * (rim[k] - values[3 * v + k]);
+    });
   }
 
   // Living tissue is of no one colour.

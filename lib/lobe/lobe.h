@@ -96,6 +96,10 @@
 //   surface: the boundary triangles of the tetrahedra, with cut faces; for drawing and contact.
 //   skin: a finer textured surface that the tetrahedra carry.
 //   snapshot: state, surface, tools and figures of one moment, copied for other threads.
+//   strand: a straight elastic connection between two points of the tissue, or from one to the world; an
+//     attachment is a set of them.
+//   bed: strands that cover a part of the surface.
+//   event: what tore, broke or burnt in a frame, with its place and size.
 //   grain: a part of a tetrahedron that a scalpel has cut.
 //   stroke: the path of a blade from where it begins to cut to where it stops.
 //   crumb: a tiny part that a blade would cut off; it stays attached.

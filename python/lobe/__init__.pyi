@@ -60,6 +60,18 @@ class Condition:
     @property
     def time(self) -> float: ...
 
+class Event:
+    @property
+    def kind(self) -> str: ...
+    @property
+    def time(self) -> float: ...
+    @property
+    def place(self) -> Optional[NDArray[np.float64]]: ...
+    @property
+    def size(self) -> float: ...
+    @property
+    def text(self) -> str: ...
+
 class Transitions:
     @property
     def count(self) -> int: ...
@@ -95,6 +107,8 @@ class Report:
     def smallest_volume_ratio(self) -> float: ...
     @property
     def conditions(self) -> list[Condition]: ...
+    @property
+    def events(self) -> list[Event]: ...
 
 class Surface:
     @property
@@ -237,6 +251,21 @@ class World:
     def cut_thread(self, thread: int, after: int = 0) -> None: ...
     @property
     def threads(self) -> list[dict[str, Any]]: ...
+    def attach(
+        self,
+        name: str,
+        first: ArrayLike,
+        second: ArrayLike,
+        *,
+        stiffness: float,
+        strength: float = ...,
+        softening: float = 3.0,
+        slack: float = 0.0,
+        to_world: bool = False,
+    ) -> None: ...
+    def detach(self, name: str) -> None: ...
+    @property
+    def attachments(self) -> list[dict[str, Any]]: ...
 
 class StaticResult:
     @property

@@ -1,5 +1,6 @@
 #include <pybind11/stl.h>
 
+#include "arrays.h"
 #include "lobe/organ/report.h"
 #include "lobe/text.h"
 #include "scene.h"
@@ -25,6 +26,24 @@ void bind_condition(py::module_& module) {
       });
 }
 
+void bind_event(py::module_& module) {
+  py::class_<Event>(module, "Event", "What tore, broke or burnt in a frame, and where.")
+      .def_property_readonly(
+          "kind", [](const Event& e) { return name(e.kind); }, "\"torn\", \"broken\" or \"burnt\".")
+      .def_readonly("time", &Event::time, "The simulated time at which it happened [s].")
+      .def_property_readonly(
+          "place",
+          [](const Event& e) -> py::object { return e.place ? py::object(copied(*e.place)) : py::none(); },
+          "Where it happened, (3,) [m]; None if that is not known.")
+      .def_readonly("size", &Event::size,
+                    "Of torn: the area that came apart [m²]. Of broken: the tension of the thread [N]. Of "
+                    "burnt: the volume\n[m³]. 0: it has none.")
+      .def_readonly("text", &Event::text, "One line for people; empty if it only goes on.")
+      .def("__repr__", [](const Event& e) {
+        return "<lobe.Event: " + std::string(name(e.kind)) + (e.text.empty() ? "" : ": " + e.text) + ">";
+      });
+}
+
 void bind_transitions(py::module_& module) {
   py::class_<Transitions>(module, "Transitions",
                           "How often vertices of reduced regions were embedded or became full, and by what "
@@ -43,6 +62,7 @@ void bind_transitions(py::module_& module) {
 
 void bind_report(py::module_& module) {
   bind_condition(module);
+  bind_event(module);
   bind_transitions(module);
   py::class_<Report>(module, "Report", "What happened in one frame. World.advance() returns it.")
       .def_readonly("ok", &Report::ok,
@@ -61,6 +81,7 @@ void bind_report(py::module_& module) {
                     "The least ratio of the present volume to that at rest, of non-linear tetrahedra and "
                     "lattice cells.")
       .def_readonly("conditions", &Report::conditions, "A list of Condition: what unusual things happened.")
+      .def_readonly("events", &Report::events, "A list of Event: what tore, broke and burnt, and where.")
       .def("__repr__", &describe_report);
 }
 

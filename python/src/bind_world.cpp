@@ -194,6 +194,84 @@ py::list threads_of(PyWorld& world) {
   return list;
 }
 
+// ---- Attachments
+
+// Pairs of points of the tissue as it is now, each a strand.
+void attach(PyWorld& world, const std::string& name, const py::object& first, const py::object& second,
+            double stiffness, double strength, double softening, double slack, bool to_world) {
+  const Mat3X<double> from = columns3(first, "first"), to = columns3(second, "second");
+  if (from.cols() != to.cols()) throw InputError("second", "must have as many points as first");
+  AttachmentSetup attachment;
+  attachment.name = name;
+  attachment.softening = softening;
+  attachment.holds_until = strength / stiffness;
+  const auto find = [&](const Vec3d& x, const char* which) {
+    const FoundPoint found = world.use([&](AnyWorld& any) { return any.embed(x); });
+    constexpr double rounding = 1e-6;  // [m]
+    if (found.distance > rounding)
+      throw InputError(which, "is " + rounded(found.distance) + " m outside of every tetrahedron");
+    return found.point;
+  };
+  for (Eigen::Index i = 0; i < from.cols(); ++i) {
+    StrandSetup& strand = attachment.strands.emplace_back();
+    strand.from = find(from.col(i), "first");
+    if (to_world)
+      strand.anchor = to.col(i);
+    else
+      strand.to = find(to.col(i), "second");
+    strand.length = (to.col(i) - from.col(i)).norm() + slack;
+    strand.stiffness = stiffness;
+  }
+  world.apply(Attach{attachment});
+}
+
+py::list attachments_of(PyWorld& world) {
+  const auto [figures, lines] =
+      world.use([](AnyWorld& any) { return std::pair(any.attachments(), any.lines()); });
+  py::list list;
+  for (const AttachmentFigures& of : figures) {
+    py::dict entry;
+    entry["name"] = of.name;
+    entry["strands"] = of.strands;
+    entry["area"] = of.area;
+    entry["tension"] = of.tension;
+    entry["stored"] = of.stored;
+    entry["released"] = of.released;
+    entry["torn"] = of.torn.count;
+    entry["torn_area"] = of.torn.area;
+    entry["cut"] = of.cut.count;
+    entry["ends"] = copied(Mat3X<double>(3, 0));
+    entry["tensions"] = std::vector<double>();
+    for (const TermLines& line : lines)
+      if (line.term == Attachments<double>::term_name && line.name == of.name) {
+        entry["ends"] = copied(line.ends);
+        entry["tensions"] = line.tensions;
+      }
+    list.append(entry);
+  }
+  return list;
+}
+
+void add_attachments(WorldClass& world) {
+  world
+      .def("attach", &attach, py::arg("name"), py::arg("first"), py::arg("second"), py::kw_only(),
+           py::arg("stiffness"), py::arg("strength") = std::numeric_limits<double>::infinity(),
+           py::arg("softening") = 3.0, py::arg("slack") = 0.0, py::arg("to_world") = false,
+           "Ties points of the tissue as it is now to others, (k, 3) [m], or to points that do not move "
+           "(to_world).\nstiffness: of each strand [N/m]; strength: its largest force [N]; softening: the "
+           "elongation at which it\nhas torn over that at which its force begins to fall; slack [m].")
+      .def(
+          "detach", [](PyWorld& self, const std::string& name) { self.apply(Detach{name}); }, py::arg("name"),
+          "Cuts all strands of an attachment.")
+      .def_property_readonly(
+          "attachments", &attachments_of,
+          "The attachments, a list of dictionaries: `name`, `strands` that are left, their `area` [m²], "
+          "largest `tension`\n[N] and `stored` energy [J], the energy `released` by tearing [J], the numbers "
+          "`torn` and `cut` of strands that\nhave gone, `torn_area` [m²], `ends` (2 k, 3) of the strands, "
+          "one "
+          "after the other [m], and their `tensions` [N].");
+}
+
 void add_threads(WorldClass& world) {
   constexpr double unlimited = std::numeric_limits<double>::infinity();
   world
@@ -343,6 +421,7 @@ void bind_world(py::module_& module) {
   add_tools(world);
   add_edits(world);
   add_threads(world);
+  add_attachments(world);
 }
 
 }  // namespace lobe::python

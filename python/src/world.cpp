@@ -27,6 +27,8 @@ class WorldOf : public AnyWorld {
     return body_figures(elements(), now.u.template cast<double>(), now.v.template cast<double>());
   }
   std::vector<ThreadLine> threads() override { return thread_lines(world_); }
+  std::vector<TermLines> lines() override { return term_lines(world_); }
+  std::vector<AttachmentFigures> attachments() override { return attachment_figures(world_); }
   int next_thread() const override {
     int next = 0;
     for (const auto& term : world_.body().terms)

@@ -66,20 +66,20 @@ Mat3X<double> forces_of(World<double>& world, const std::string& term_name) {
   return f;
 }
 
-int run(World<double>& world, double duration, std::vector<Condition>* said = nullptr) {
+int run(World<double>& world, double duration, std::vector<Event>* said = nullptr) {
   int steps = 0;
   for (int i = 0; i < int(std::lround(duration / thread_frame)); ++i) {
     const Report report = world.advance(thread_frame);
     REQUIRE(report.ok);
     steps += report.steps;
-    if (said) said->insert(said->end(), report.conditions.begin(), report.conditions.end());
+    if (said) said->insert(said->end(), report.events.begin(), report.events.end());
   }
   return steps;
 }
 
-bool has_said(const std::vector<Condition>& said, Condition::Kind kind, const std::string& text) {
-  for (const Condition& condition : said)
-    if (condition.kind == kind && condition.text.find(text) != std::string::npos) return true;
+bool has_said(const std::vector<Event>& said, Event::Kind kind, const std::string& text) {
+  for (const Event& event : said)
+    if (event.kind == kind && event.text.find(text) != std::string::npos) return true;
   return false;
 }
 
@@ -236,7 +236,7 @@ TEST_CASE("a thread that is pulled through the tissue has what the tissue holds,
   world.apply(BringThread{7, material});
   world.apply(Bite{7, at(setup, {0.0203, 0.0211, 0.012})});
   world.apply(Pull{7, true, {0.0203, 0.0211, 0.04}});
-  std::vector<Condition> said;
+  std::vector<Event> said;
   double z = 0.04;
   int steady = 0;
   for (int i = 0; i < 200 && said.empty(); ++i) {
@@ -253,7 +253,7 @@ TEST_CASE("a thread that is pulled through the tissue has what the tissue holds,
     CHECK(2 * lines[0].tensions[0] == near(material.holds, 1e-3));
   }
   CHECK(steady > 10);
-  CHECK(has_said(said, Condition::Kind::torn, "thread \"7\" has torn out of the tissue at bite 0"));
+  CHECK(has_said(said, Event::Kind::torn, "thread \"7\" has torn out of the tissue at bite 0"));
   CHECK(threads_of(world).all()[0].bites.empty());
   const double way = threads_of(world).ledger().cut / material.holds;
   CHECK(way == near(0.008, 0.03));  // from the bite to the surface
@@ -368,9 +368,9 @@ TEST_CASE("a loop opens where its tissue is removed, where it is cut, and where 
     run(world, 0.1);
     CHECK(threads_of(world).all()[0].spans[0].tension > 0);
     world.remove_tets({setup.stitches[0].bites[1].tet});
-    std::vector<Condition> said;
+    std::vector<Event> said;
     run(world, 0.1, &said);
-    CHECK(has_said(said, Condition::Kind::torn, "has lost the tissue around bite 1"));
+    CHECK(has_said(said, Event::Kind::torn, "has lost the tissue around bite 1"));
     CHECK(threads_of(world).all()[0].knots.empty());
     CHECK(forces_of(world, "threads").norm() == 0);
     CHECK(fault_of(world) == "");
@@ -385,9 +385,9 @@ TEST_CASE("a loop opens where its tissue is removed, where it is cut, and where 
   SUBCASE("broken") {
     setup.stitches[0].material.strength = 0.002;
     World<double> world(setup);
-    std::vector<Condition> said;
+    std::vector<Event> said;
     run(world, 0.1, &said);
-    CHECK(has_said(said, Condition::Kind::broken, "thread \"3-0\" broke"));
+    CHECK(has_said(said, Event::Kind::broken, "thread \"3-0\" broke"));
     CHECK(forces_of(world, "threads").norm() == 0);
   }
 }

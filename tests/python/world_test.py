@@ -229,3 +229,30 @@ def test_bad_calls_are_refused_and_change_nothing(scene, call, place):
         call(world)
     assert place in caught.value.place or place in str(caught.value)
     assert (world.snapshot().u == before).all() and world.time == 0
+
+
+def test_a_ligament_bears_the_beam_until_it_tears_and_an_event_says_where(scene):
+    free, world = lobe.World(scene), lobe.World(scene)
+    world.attach("ligament", [(0.095, 0.01, 0.01)], [(0.095, 0.01, 0.04)], stiffness=50, strength=0.05, to_world=True)
+    events = []
+    for _ in range(60):
+        free.advance(1 / 60)
+        events += world.advance(1 / 60).events
+    (ligament,) = world.attachments
+    assert [event.kind for event in events] == ["torn"] and ligament["torn"] == 1 and ligament["strands"] == 0
+    assert events[0].text == 'attachment "ligament" has torn' and 0 < events[0].time < 1
+    assert abs(events[0].place[0] - 0.095) < 0.01 and 0.01 < events[0].place[2] < 0.04
+    assert ligament["released"] == pytest.approx(3 * 0.05**2 / 50 / 2, rel=1e-12)
+
+    world = lobe.World(scene)
+    world.attach("ligament", [(0.095, 0.01, 0.01)], [(0.095, 0.01, 0.04)], stiffness=50, to_world=True)
+    for _ in range(60):
+        assert not world.advance(1 / 60).events
+    assert world.attachments[0]["tension"] > 0.05 and world.attachments[0]["ends"].shape == (2, 3)
+    assert world.snapshot().u[:, 2].min() > free.snapshot().u[:, 2].min() / 2
+    with pytest.raises(lobe.InputError, match="there is one of this name already"):
+        world.attach("ligament", [(0.05, 0.01, 0.01)], [(0.05, 0.01, 0.04)], stiffness=50, to_world=True)
+    with pytest.raises(lobe.InputError, match="outside of every tetrahedron"):
+        world.attach("other", [(0.05, 0.01, 0.01)], [(0.05, 0.01, 0.04)], stiffness=50)
+    world.detach("ligament")
+    assert world.attachments[0]["strands"] == 0 and world.attachments[0]["cut"] == 1

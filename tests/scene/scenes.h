@@ -43,6 +43,12 @@ inline const std::string full_scene = R"({
      "stitches": [{"through": [[0, 0, 0], [0.01, 0, 0], [0.02, 0, 0]], "at": 0.5, "tie": [{"at": 0.75, "tighten": 0.002, "over": 0.1, "between": [0, 1]}, {"at": 1}]},
                   {"through": [[0, 0, 0.01], [0.01, 0, 0.01]], "tie": {"at": 0.25}}]}
   ],
+  "attachments": [
+    {"name": "bed", "softening": 4, "bed": {"from": {"label": 1}, "to": {"label": 2}, "within": 0.004, "spacing": 0.0025, "stiffness": 7e6, "fracture_energy": 50}},
+    {"name": "wall", "bed": {"from": {"label": 2}, "to_world": true, "within": 0, "stiffness": 1e6}},
+    {"name": "round ligament", "ligament": {"from": [0, 0, 0], "to": [0.01, 0, 0], "stiffness": 300, "slack": 0.002, "strength": 4}},
+    {"name": "suspension", "ligament": {"from": [0, 0, 0], "to_world": [0, 0, 0.1], "stiffness": 200}}
+  ],
   "loose_pieces": "vanish",
   "evaluator": "stored",
   "skin": "skin.obj",

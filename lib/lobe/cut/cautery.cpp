@@ -12,18 +12,33 @@ Eigen::AlignedBox3d box_of(const Sweep& sweep) {
           sweep.from.cwiseMax(sweep.to).array() + sweep.radius};
 }
 
-bool touches(const Sweep& sweep, const Mat34<double>& x) {
+namespace {
+
+template <class Distance>
+bool comes_near(const Sweep& sweep, Distance&& distance_from) {
   const double length = (sweep.to - sweep.from).norm();
   const int samples = static_cast<int>(std::clamp(std::ceil(4 * length / sweep.radius), 1.0, 1e4));
-  for (int s = 0; s <= samples; ++s) {
-    const Vec3d tip = sweep.from + (sweep.to - sweep.from) * (double(s) / samples);
-    if (distance_to_tet(tip, x) <= sweep.radius) return true;
-  }
+  for (int s = 0; s <= samples; ++s)
+    if (distance_from(Vec3d(sweep.from + (sweep.to - sweep.from) * (double(s) / samples))) <= sweep.radius)
+      return true;
   return false;
 }
 
+}  // namespace
+
+bool touches(const Sweep& sweep, const Mat34<double>& x) {
+  return comes_near(sweep, [&](const Vec3d& tip) { return distance_to_tet(tip, x); });
+}
+
+bool touches(const Sweep& sweep, const Vec3d& p, const Vec3d& q) {
+  return comes_near(sweep, [&](const Vec3d& tip) { return distance_to_segment(tip, p, q); });
+}
+
 SweptVolume swept_volume(const Sweep& sweep) {
-  return {box_of(sweep), [sweep](const Mat34<double>& corners) { return touches(sweep, corners); }, {}};
+  return {box_of(sweep),
+          [sweep](const Mat34<double>& corners) { return touches(sweep, corners); },
+          {},
+          [sweep](const Vec3d& p, const Vec3d& q) { return touches(sweep, p, q); }};
 }
 
 std::vector<Index> touched_tets(const Topology& topology, const Mat3X<double>& x, const Sweep& sweep) {

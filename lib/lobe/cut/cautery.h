@@ -17,11 +17,13 @@ struct Sweep {
 
 // The volume that a tool sweeps. `box` contains it [m]. meets(corners) says whether it meets a tetrahedron,
 // 3 × 4 [m], that meets `box`. may_meet(other) is false only if it meets no tetrahedron in the box `other`.
-// An empty function stands for true.
+// An empty function stands for true. crosses(p, q) says whether it meets the segment from p to q [m]; where
+// it is empty, it meets none.
 struct SweptVolume {
   Eigen::AlignedBox3d box;
   std::function<bool(const Mat34<double>& corners)> meets = {};
   std::function<bool(const Eigen::AlignedBox3d&)> may_meet = {};
+  std::function<bool(const Vec3d& p, const Vec3d& q)> crosses = {};
 };
 SweptVolume swept_volume(const Sweep& sweep);
 
@@ -30,6 +32,7 @@ Eigen::AlignedBox3d box_of(const Sweep& sweep);  // [m]
 // Whether a tetrahedron is within reach of a sweep. The sweep is sampled every quarter of the radius (between
 // samples the reach is short of the radius by less than 1 %), in at most 10,000 places.
 bool touches(const Sweep& sweep, const Mat34<double>& corners);
+bool touches(const Sweep& sweep, const Vec3d& p, const Vec3d& q);  // the same of a segment [m]
 
 // Alive tetrahedra within reach of the sweep, in ascending order. O(#tets), some nanoseconds each; TetGroups
 // finds the same faster, frame after frame.

@@ -26,6 +26,13 @@ Vec3d nearest_on_triangle(const Vec3d& p, const Vec3d& a, const Vec3d& b, const 
   return a + ab * (vb / sum) + ac * (vc / sum);
 }
 
+double distance_to_segment(const Vec3d& p, const Vec3d& a, const Vec3d& b) {
+  const Vec3d ab = b - a;
+  const double square = ab.squaredNorm();
+  const double share = square > 0 ? std::clamp(ab.dot(p - a) / square, 0.0, 1.0) : 0;
+  return (p - a - share * ab).norm();
+}
+
 double distance_to_tet(const Vec3d& p, const Mat34<double>& x) {
   bool inside = true;
   double nearest = std::numeric_limits<double>::infinity();

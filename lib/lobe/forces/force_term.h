@@ -10,6 +10,9 @@
 #include <vector>
 
 #include "lobe/body/model.h"
+#include "lobe/cut/cautery.h"
+#include "lobe/forces/event.h"
+#include "lobe/forces/term_lines.h"
 #include "lobe/mesh/surface.h"
 #include "lobe/tool/tool_body.h"
 
@@ -37,17 +40,6 @@ struct BodyView {
 struct Kick {
   double keep = 1, push = 0;  // [-], [s]
   double dt = 0;              // [s]; 0: no step follows
-};
-
-// What a term reports of a frame, for people.
-struct TermEvent {
-  enum class Kind : std::uint8_t {
-    torn,   // tissue gave way under a force
-    broken  // a thread broke
-  };
-  Kind kind;
-  double time = 0;   // [s]
-  std::string text;  // one line: what, where, how much
 };
 
 template <class Real>
@@ -83,7 +75,11 @@ class ForceTerm {
   virtual void follow(const Topology&, const MeshEdit&) {}           // of the mesh
   // Is called after follow() once a blade has cut: which part of a divided tetrahedron is where.
   virtual void follow_grains(const Elements&, const Grains&, const MeshEdit&) {}
-  virtual std::vector<TermEvent> take_events() { return {}; }  // since the last call
+  // Is called before a tool burns or cuts what it sweeps in a frame: of what is no tissue, that goes which
+  // crosses it.
+  virtual void sever(const SweptVolume&, const At&) {}
+  virtual std::vector<Event> take_events() { return {}; }  // since the last call
+  virtual std::vector<TermLines> lines(const At&) const { return {}; }
 
   // ---- For terms that act between the body and what is around it
 

@@ -316,7 +316,8 @@ void Threads<Real>::break_threads() {
       else
         thread.hand.holds = false;
     }
-    report(TermEvent::Kind::broken, thread, "broke " + where + " at " + rounded(tension) + " N");
+    const Vec3d place = cables_.points()[std::size_t(cables_.spans()[s].p)].x;
+    report(Event::Kind::broken, thread, place, tension, "broke " + where + " at " + rounded(tension) + " N");
   }
 }
 
@@ -333,13 +334,15 @@ void Threads<Real>::move_bites() {
       state_.threads[source.thread].bites[std::size_t(source.bite)].point = source.moved;
       is_coupled_ = false;
     } else {
-      torn_.push_back({source.thread, source.bite});
+      torn_.push_back({source.thread, source.bite, point.x});
     }
   }
-  std::sort(torn_.rbegin(), torn_.rend());
-  for (const auto& [number, bite] : torn_) {
+  std::sort(torn_.begin(), torn_.end(), [](const Torn& a, const Torn& b) {
+    return std::tuple(a.thread, a.bite) > std::tuple(b.thread, b.bite);
+  });
+  for (const auto& [number, bite, place] : torn_) {
     Thread& thread = state_.threads[number];
-    report(TermEvent::Kind::torn, thread,
+    report(Event::Kind::torn, thread, place, 0,
            "has torn out of the tissue at bite " + std::to_string(thread.bites[std::size_t(bite)].number) +
                ", which held " + rounded(thread.material.holds) + " N");
     thread.remove_bite(bite);
@@ -356,7 +359,8 @@ void Threads<Real>::follow(const Topology& topology, const MeshEdit&) {
       const ThreadBite bite = thread.bites[std::size_t(i)];
       if (exists(bite.point, topology)) continue;
       thread.remove_bite(i);
-      report(TermEvent::Kind::torn, thread, "has lost the tissue around bite " + std::to_string(bite.number));
+      report(Event::Kind::torn, thread, {}, 0,
+             "has lost the tissue around bite " + std::to_string(bite.number));
       is_arranged_ = false;
     }
   is_coupled_ = false;

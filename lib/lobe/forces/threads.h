@@ -49,7 +49,7 @@ class Threads : public ForceTerm<Real> {
 
   const std::vector<Thread>& all() const { return state_.threads; }
   const ThreadLedger& ledger() const { return state_.ledger; }
-  std::vector<ThreadLine> lines(const At& at) const;
+  std::vector<ThreadLine> drawn(const At& at) const;
   std::vector<StitchSetup> stitches(const Elements& elements) const;  // that give the same threads at rest
 
   // ---- ForceTerm
@@ -70,7 +70,8 @@ class Threads : public ForceTerm<Real> {
   void end_step(double farthest, double dt) override;
   void follow(const Topology& topology, const MeshEdit& edit) override;
   void follow_grains(const Elements& elements, const Grains& grains, const MeshEdit& edit) override;
-  std::vector<TermEvent> take_events() override { return std::exchange(state_.events, {}); }
+  std::vector<Event> take_events() override { return std::exchange(state_.events, {}); }
+  std::vector<TermLines> lines(const At& at) const override;
   std::string save() const override;
   void load(const std::string& saved, Index vertices) override;
 
@@ -78,7 +79,7 @@ class Threads : public ForceTerm<Real> {
   struct State {
     std::vector<Thread> threads;
     ThreadLedger ledger;
-    std::vector<TermEvent> events;
+    std::vector<Event> events;
   };
   // Where a point or span of the cables comes from.
   struct Source {
@@ -96,7 +97,8 @@ class Threads : public ForceTerm<Real> {
   void perform_plans(const At& at);
   void sew(Thread& thread, const At& at);
   void tie_planned(Thread& thread, const TieSetup& plan, const At& at);
-  void report(TermEvent::Kind kind, const Thread& thread, const std::string& what);
+  void report(Event::Kind kind, const Thread& thread, const std::optional<Vec3d>& place, double size,
+              const std::string& what);
   void lengthen_to_fit(Thread& thread, Index from, Index to, const At& at);
 
   void arrange();
@@ -117,9 +119,14 @@ class Threads : public ForceTerm<Real> {
   Mat3X<double> inverse_mass_;            // 3 × #vertices, by axis [1/kg]
   std::uint64_t seen_structure_ = ~std::uint64_t(0), seen_inertia_ = ~std::uint64_t(0);  // of these masses
   const Grains* grains_ = nullptr;
-  std::vector<std::pair<std::size_t, Index>> torn_;  // scratch: threads and bites
-  double time_ = 0, begin_ = 0, duration_ = 0;       // the last evaluation; the frame [s]
-  double due_ = -unlimited;                          // until when plans are to be done [s]
+  struct Torn {
+    std::size_t thread;
+    Index bite;
+    Vec3d place;  // [m]
+  };
+  std::vector<Torn> torn_;                      // scratch
+  double time_ = 0, begin_ = 0, duration_ = 0;  // the last evaluation; the frame [s]
+  double due_ = -unlimited;                     // until when plans are to be done [s]
   bool is_arranged_ = false, is_coupled_ = false, is_solved_ = false, has_changed_ = false;
 };
 

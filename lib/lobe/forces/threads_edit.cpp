@@ -182,13 +182,15 @@ void Threads<Real>::tie_planned(Thread& thread, const TieSetup& plan, const At& 
   try {
     tie(thread.number, plan.from, plan.to, plan.tighten, plan.over, at);
   } catch (const InputError& error) {
-    report(TermEvent::Kind::torn, thread, "is not tied: it " + error.faults().front().message);
+    const Vec3d place = position(thread.bites.front().point, at.model.elements, at.u);
+    report(Event::Kind::torn, thread, place, 0, "is not tied: it " + error.faults().front().message);
   }
 }
 
 template <class Real>
-void Threads<Real>::report(TermEvent::Kind kind, const Thread& thread, const std::string& what) {
-  state_.events.push_back({kind, time_, named(thread) + " " + what});
+void Threads<Real>::report(Event::Kind kind, const Thread& thread, const std::optional<Vec3d>& place,
+                           double size, const std::string& what) {
+  state_.events.push_back({kind, time_, place, size, named(thread) + " " + what});
 }
 
 }  // namespace lobe

@@ -1,7 +1,7 @@
 // Threads as they are saved, set up again and drawn.
 #include <algorithm>
 
-#include "lobe/file/fields.h"
+#include "lobe/forces/saved_events.h"
 #include "lobe/forces/threads.h"
 
 namespace lobe {
@@ -11,12 +11,7 @@ std::string Threads<Real>::save() const {
   io::ByteWriter out;
   io::put(out, state_.threads);
   io::put(out, state_.ledger);
-  io::put(out, std::uint64_t(state_.events.size()));
-  for (const TermEvent& event : state_.events) {
-    io::put(out, std::uint8_t(event.kind));
-    io::put(out, event.time);
-    io::put(out, event.text);
-  }
+  io::put(out, state_.events);
   return out.bytes();
 }
 
@@ -28,13 +23,7 @@ void Threads<Real>::load(const std::string& saved, Index) {
   for (std::size_t i = 1; i < found.threads.size(); ++i)
     in.expect(found.threads[i].number > found.threads[i - 1].number);
   io::get(in, found.ledger);
-  constexpr std::size_t least_bytes = 17;  // of an event
-  found.events.resize(in.get_count(least_bytes));
-  for (TermEvent& event : found.events) {
-    event.kind = TermEvent::Kind(in.get_choice(1 + int(TermEvent::Kind::broken)));
-    io::get(in, event.time);
-    io::get(in, event.text);
-  }
+  io::get(in, found.events);
   in.expect_end();
   state_ = std::move(found);
   begin_ = duration_ = time_ = 0;
@@ -74,7 +63,7 @@ std::vector<StitchSetup> Threads<Real>::stitches(const Elements& elements) const
 // ---- Drawing
 
 template <class Real>
-std::vector<ThreadLine> Threads<Real>::lines(const At& at) const {
+std::vector<ThreadLine> Threads<Real>::drawn(const At& at) const {
   std::vector<ThreadLine> lines;
   const auto place = [&](const ThreadBite& bite) { return position(bite.point, at.model.elements, at.u); };
   for (const Thread& thread : state_.threads) {
@@ -108,6 +97,19 @@ std::vector<ThreadLine> Threads<Real>::lines(const At& at) const {
   }
   std::erase_if(lines, [](const ThreadLine& line) { return line.tensions.empty(); });
   return lines;
+}
+
+template <class Real>
+std::vector<TermLines> Threads<Real>::lines(const At& at) const {
+  std::vector<TermLines> all;
+  for (const ThreadLine& line : drawn(at)) {
+    TermLines& lines = all.emplace_back(TermLines{term_name, line.name, line.thread});
+    const Eigen::Index segments = line.points.cols() - 1;
+    lines.ends.resize(3, 2 * segments);
+    for (Eigen::Index i = 0; i < 2 * segments; ++i) lines.ends.col(i) = line.points.col((i + 1) / 2);
+    lines.tensions = line.tensions;
+  }
+  return all;
 }
 
 }  // namespace lobe

@@ -80,6 +80,8 @@ bool Session<Real>::step_frame() {
   hands_.after_frame();
   for (SessionHook<Real>* hook : hooks_) hook->after_frame(hands_, world_, frame_);
   for (const Condition& condition : report.conditions) report_condition(condition);
+  for (const Event& event : report.events)
+    if (!event.text.empty()) say(name(event.kind), event.text);
   if (!report.ok) {
     say("stands_still", "the simulation cannot go on from here: go back, or restart");
     stands_still_ = true;

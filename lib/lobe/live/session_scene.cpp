@@ -27,6 +27,8 @@ const char* edit_name(const Command& command) {
   if (std::holds_alternative<Pull>(command) || std::holds_alternative<Tie>(command) ||
       std::holds_alternative<CutThread>(command) || std::holds_alternative<Bite>(command))
     return "a thread was drawn, pulled, tied or cut";
+  if (std::holds_alternative<Attach>(command) || std::holds_alternative<Detach>(command))
+    return "something was attached or detached";
   if (std::holds_alternative<Expand>(command) || std::holds_alternative<Condense>(command) ||
       std::holds_alternative<Relinearise>(command))
     return "a precomputed region was expanded, condensed or relinearised";

@@ -13,8 +13,11 @@ FigureSnapshot figures_of(const Report& report, Index tets) {
                          std::accumulate(report.seconds.begin(), report.seconds.end(), 0.0),
                          tets,
                          report.tets_removed,
-                         {}};
+                         {},
+                         report.events};
   for (const Condition& condition : report.conditions) figures.conditions.push_back(condition.text);
+  for (const Event& event : report.events)
+    if (!event.text.empty()) figures.conditions.push_back(event.text);
   return figures;
 }
 
@@ -25,6 +28,14 @@ ToolSnapshot snapshot_of(const PlacedTool& tool) {
   return {tool.name,          tool.type,     tool.position,     Eigen::Quaterniond(tool.orientation),
           -tool.force,        -tool.torque,  tool.shape.radius, tool.shape.blade,
           tool.shape.opening, tool.shape.jaw};
+}
+
+LinesSnapshot snapshot_of(const TermLines& lines) {
+  return {lines.term,
+          lines.name,
+          lines.ends.cast<float>(),
+          {lines.tensions.begin(), lines.tensions.end()},
+          {lines.damages.begin(), lines.damages.end()}};
 }
 
 }  // namespace
@@ -68,7 +79,8 @@ void Display<Real>::follow_regions(const Elements& elements, const Grains* grain
 
 template <class Real>
 void Display<Real>::publish(const Elements& elements, const StateView<Real>& state,
-                            const std::vector<PlacedTool>& tools, const Report& report) {
+                            const std::vector<PlacedTool>& tools, const std::vector<TermLines>& lines,
+                            const Report& report) {
   ++published_->frames;
   Snapshot<Real>* snapshot = published_->buffer.writable();
   if (!snapshot) return;
@@ -79,6 +91,8 @@ void Display<Real>::publish(const Elements& elements, const StateView<Real>& sta
   published_->surfaces.copy(*surface_, elements.points.view(), state.u, snapshot->surface);
   snapshot->tools.clear();
   for (const PlacedTool& tool : tools) snapshot->tools.push_back(snapshot_of(tool));
+  snapshot->lines.clear();
+  for (const TermLines& of_term : lines) snapshot->lines.push_back(snapshot_of(of_term));
   snapshot->figures = figures_of(report, elements.topology.alive_count());
   published_->buffer.publish();
 }

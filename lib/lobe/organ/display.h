@@ -8,6 +8,7 @@
 
 #include "lobe/body/motion.h"
 #include "lobe/fem/elements.h"
+#include "lobe/forces/term_lines.h"
 #include "lobe/mesh/surface.h"
 #include "lobe/organ/report.h"
 #include "lobe/scalpel/grain_cells.h"
@@ -42,7 +43,7 @@ class Display {
 
   // Makes a snapshot of this state with the surface, which must exist. Makes none if readers hold all slots.
   void publish(const Elements& elements, const StateView<Real>& state, const std::vector<PlacedTool>& tools,
-               const Report& report);
+               const std::vector<TermLines>& lines, const Report& report);
   const TripleBuffer<Snapshot<Real>>& snapshots() const { return published_->buffer; }  // from any thread
 
  private:

@@ -86,6 +86,20 @@ std::vector<StitchSetup> stitches_now(const Dynamics<Real>& body, const CompactM
   return found;
 }
 
+// Strands whose ends are left, as damaged as they are.
+template <class Real>
+std::vector<AttachmentSetup> attachments_now(const Dynamics<Real>& body, const CompactMesh& c) {
+  std::vector<AttachmentSetup> found;
+  for (const auto& term : body.terms)
+    if (term->name() == Attachments<Real>::term_name)
+      found = static_cast<const Attachments<Real>&>(*term).as_setup();
+  for (AttachmentSetup& attachment : found)
+    for (StrandSetup& strand : attachment.strands)
+      for (EmbeddedPoint* end : {&strand.from, &strand.to})
+        if (end->tet >= 0) end->tet = c.tet_target[end->tet];
+  return found;
+}
+
 }  // namespace
 
 // ---- Cuts
@@ -323,6 +337,7 @@ Setup Organ<Real>::current_setup(CompactMesh& c) const {
   setup.face_loads = loads_of_parts(setup_.face_loads, body_.loads.dead_loads(), body.topology, c);
   setup.pressures = pressures_now(body_, c);
   setup.stitches = stitches_now(body_, c);
+  setup.attachments = attachments_now(body_, c);
   setup.cut_frequency = std::sqrt(body_.inertia.floor().square);
   std::erase_if(setup.vertex_loads, [&](const VertexLoad& load) { return c.vertex_target[load.vertex] < 0; });
   for (VertexLoad& load : setup.vertex_loads) load.vertex = c.vertex_target[load.vertex];

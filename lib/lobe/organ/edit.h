@@ -138,8 +138,25 @@ struct CutThread {
   static constexpr auto fields = std::tuple(&CutThread::thread, &CutThread::after);
 };
 
-using Edit = std::variant<RemoveTets, SetRegion, Expand, Condense, Relinearise, SetMassDegree, KeepFull,
-                          SetForces, SetSprings, MoveSprings, BringThread, Bite, Pull, Tie, CutThread>;
+// ---- Attachments (forces/attachments.h), which have names.
+
+// Ties points to each other or to the world. There must be no attachment of this name.
+struct Attach {
+  AttachmentSetup attachment;
+  bool operator==(const Attach&) const = default;
+  static constexpr auto fields = std::tuple(&Attach::attachment);
+};
+
+// Cuts all strands of an attachment.
+struct Detach {
+  std::string attachment;
+  bool operator==(const Detach&) const = default;
+  static constexpr auto fields = std::tuple(&Detach::attachment);
+};
+
+using Edit =
+    std::variant<RemoveTets, SetRegion, Expand, Condense, Relinearise, SetMassDegree, KeepFull, SetForces,
+                 SetSprings, MoveSprings, BringThread, Bite, Pull, Tie, CutThread, Attach, Detach>;
 
 // ---- What a body does by itself
 

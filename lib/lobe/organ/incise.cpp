@@ -99,7 +99,26 @@ Index Organ<Real>::burn(const SweptVolume& volume) {
   see_interior();
   std::vector<Index> burnt = meeting_as_seen(volume);
   if (grains()) blades_.keep_filled(volume, elements(), body_now(), burnt);
+  note_burnt(burnt);
   return remove_tets(burnt);
+}
+
+// Before they are gone.
+template <class Real>
+void Organ<Real>::note_burnt(const std::vector<Index>& tets) {
+  if (tets.empty()) return;
+  Event event{Event::Kind::burnt, time()};
+  Vec3d centre = Vec3d::Zero();
+  for (const Index t : tets) {
+    const Eigen::Vector4i corners = elements().topology.corners(t);
+    const Mat34<double> x =
+        elements().corner_points(t) + body_.motion.u.padded()(Eigen::all, corners).template cast<double>();
+    const double volume = elements().shape_of(t).volume;
+    event.size += volume;
+    centre += volume * x.rowwise().mean();
+  }
+  event.place = centre / event.size;
+  findings_.events.push_back(std::move(event));
 }
 
 // To edit a condensed region costs milliseconds per tetrahedron. So an expandable one is expanded before a

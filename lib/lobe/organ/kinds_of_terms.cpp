@@ -4,6 +4,7 @@
 
 #include "lobe/contact/contact.h"
 #include "lobe/forces/applied_forces.h"
+#include "lobe/forces/attachments.h"
 #include "lobe/forces/pressure.h"
 #include "lobe/forces/threads.h"
 
@@ -26,6 +27,9 @@ std::span<const KindOfTerm<Real>> kinds_of_terms() {
        [](const Setup& setup, std::span<const ToolBody> tools) {
          return !tools.empty() || setup.contact.is_on();
        }},
+      {Attachments<Real>::term_name,
+       [](const Setup& setup) -> Term { return std::make_shared<Attachments<Real>>(setup); },
+       [](const Setup& setup, std::span<const ToolBody>) { return !setup.attachments.empty(); }},
       // The last: it predicts the motion that all other forces give.
       {Threads<Real>::term_name,
        [](const Setup& setup) -> Term { return std::make_shared<Threads<Real>>(setup); },

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <numeric>
 #include <type_traits>
@@ -38,10 +39,6 @@ RegionEdit everything(const Topology& topology) {
   edit.vertices.resize(std::size_t(topology.vertex_count()));
   std::iota(edit.vertices.begin(), edit.vertices.end(), 0);
   return edit;
-}
-
-Condition::Kind condition_of(TermEvent::Kind kind) {
-  return kind == TermEvent::Kind::torn ? Condition::Kind::torn : Condition::Kind::broken;
 }
 
 template <class Real>
@@ -83,6 +80,7 @@ Organ<Real>::Organ(const Setup& setup, int threads, const CondensingLog::Progres
   // They follow cuts from the first on.
   if (!setup.pressures.empty()) own_term(Pressure<Real>::term_name);
   if (!setup.stitches.empty()) own_term(Threads<Real>::term_name);
+  if (!setup.attachments.empty()) own_term(Attachments<Real>::term_name);
 }
 
 // ---- State
@@ -236,9 +234,11 @@ void Organ<Real>::report_frame(const PatchCount& before, Report& report) {
   report.patches_evaluated = after.evaluated - before.evaluated;
   report.patches_skipped = after.skipped - before.skipped;
   report.transitions = std::exchange(findings_.transitions, {});
-  for (const auto& term : body_.terms)
-    for (const TermEvent& event : term->take_events())
-      report.conditions.push_back({condition_of(event.kind), event.text, event.time});
+  report.events = std::exchange(findings_.events, {});
+  for (const auto& term : body_.terms) {
+    std::vector<Event> events = term->take_events();
+    std::move(events.begin(), events.end(), std::back_inserter(report.events));
+  }
 }
 
 // ---- Edits

@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "lobe/cut/tet_groups.h"
+#include "lobe/forces/attachments.h"
 #include "lobe/forces/threads.h"
 #include "lobe/organ/display.h"
 #include "lobe/organ/history.h"
@@ -50,6 +51,8 @@ class Organ {
   void perform(const Pull& edit);
   void perform(const Tie& edit);
   void perform(const CutThread& edit);
+  void perform(const Attach& edit);
+  void perform(const Detach& edit);
   void add(std::shared_ptr<ForceTerm<Real>> term);
   Index remove_tets(const std::vector<Index>& tets);  // returns how many went, with what came loose
   // Sets which vertices are held. Returns how many tetrahedra vanished, because they came loose.
@@ -71,6 +74,9 @@ class Organ {
   Cut cut(const BladeMove& move);
   void incise(const std::vector<Incision>& incisions);  // those that a blade has made in an equal body
   Index burn(const SweptVolume& volume);  // removes the tetrahedra that meet it; returns how many went
+  // Before tools burn and cut: what force terms have there, and is no tissue, goes.
+  void sever(const SweptVolume& volume);
+  void sever(const BladeMove& move);
 
   // ---- Before the steps of a frame
 
@@ -195,6 +201,7 @@ class Organ {
   MeshEdit divide(const std::vector<Index>& opened);
   void follow_with_surface(const MeshEdit& edit);
   Index settle(const MeshEdit& edit);
+  void note_burnt(const std::vector<Index>& tets);
 
   // ---- Reduced regions and force terms
 
@@ -217,6 +224,9 @@ class Organ {
   Threads<Real>& threads();
   template <class Change>
   void change_threads(const Change& change);
+  Attachments<Real>& attachments();
+  template <class Change>
+  void change_attachments(const Change& change);
   void terms_have_changed(const std::vector<Index>& woken_before);
   void report_lost_forces(const std::vector<Index>& vertices);
 

@@ -24,10 +24,6 @@ const char* name(Condition::Kind kind) {
       return "scalpel";
     case Condition::Kind::lost_force:
       return "lost_force";
-    case Condition::Kind::torn:
-      return "torn";
-    case Condition::Kind::broken:
-      return "broken";
   }
   return "";
 }

@@ -8,6 +8,7 @@
 #include <tuple>
 #include <vector>
 
+#include "lobe/forces/event.h"
 #include "lobe/types.h"
 
 namespace lobe {
@@ -22,13 +23,11 @@ struct Condition {
     pieces,          // a cut set pieces loose. They do what the scene's loose_pieces says
     everything_cut,  // no tetrahedron is left
     unravelling,     // a tangle is linear until it has come back, or is non-linear again. See the text
-    lumped,   // selective masses are lumped while tetrahedra are crushed, or are selective again. Steps
-              // are shorter meanwhile. Nothing to do
-    scalpel,  // a blade could not cut all that it met, is shorter than the tetrahedra there, or went far in
-              // a frame. See the text
-    lost_force,  // a force term acts where it has no effect. See the text
-    torn,        // a thread has torn out of the tissue. Remedy: deeper bites, less tension
-    broken       // a thread broke: its tension was above its strength
+    lumped,     // selective masses are lumped while tetrahedra are crushed, or are selective again. Steps
+                // are shorter meanwhile. Nothing to do
+    scalpel,    // a blade could not cut all that it met, is shorter than the tetrahedra there, or went far in
+                // a frame. See the text
+    lost_force  // a force term acts where it has no effect. See the text
   };
   Kind kind;
   std::string text;  // one line for people: place, figures, remedy
@@ -55,6 +54,7 @@ struct Transitions {
 
 struct Findings {  // what edits have found since the last report
   std::vector<Condition> conditions;
+  std::vector<Event> events;
   Transitions transitions;
   bool in_transition = false;  // energies are compared around one
 };
@@ -77,5 +77,6 @@ struct Report {
   Transitions transitions;                    // of reduced regions, since the last report
   std::array<double, phase_count> seconds{};  // of wall time per phase
   std::vector<Condition> conditions;
+  std::vector<Event> events;  // what tore, broke and burnt in it
 };
 }  // namespace lobe

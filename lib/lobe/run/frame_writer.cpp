@@ -7,7 +7,7 @@
 #include "lobe/diagnostics/fields.h"
 #include "lobe/diagnostics/grain_frame.h"
 #include "lobe/file/atomic_file.h"
-#include "lobe/run/thread_file.h"
+#include "lobe/run/line_file.h"
 #include "lobe/text.h"
 
 namespace lobe {
@@ -90,21 +90,26 @@ void FrameWriter::record(World<Real>& world, const Mat3X<double>& reactions, boo
   else
     write_frame(directory_ / frame, world.elements(), u, v, embedded(world), reactions);
   frames_.emplace_back(world.time(), frame);
-  record_threads(world);
+  record_lines(world);
   if (frame_due) next_frame_ = output_.every * (std::floor((world.time() + just_before) / output_.every) + 1);
   const bool something_left = world.elements().topology.alive_count() > 0;  // an empty mesh cannot be drawn
   if (something_left && (picture_due || last)) add_pictures(world, frame);
 }
 
-// A file per frame, from the first thread that is sewn on.
+// A file per frame and kind of force term, from the first line of it on.
 template <class Real>
-void FrameWriter::record_threads(World<Real>& world) {
-  if (!threads_.empty() && threads_.back().first == world.time()) threads_.pop_back();
-  const std::vector<ThreadLine> lines = thread_lines(world);
-  if (lines.empty() && threads_.empty()) return;
-  const std::string file = numbered("threads_%04zu.vtp", frames_.size() - 1);
-  write_threads(directory_ / file, lines);
-  threads_.emplace_back(world.time(), file);
+void FrameWriter::record_lines(World<Real>& world) {
+  std::map<std::string, std::vector<TermLines>> now;
+  for (TermLines& lines : term_lines(world)) now[lines.term].push_back(std::move(lines));
+  for (auto& [term, files] : lines_) {
+    if (files.back().first == world.time()) files.pop_back();
+    now.try_emplace(term);
+  }
+  for (const auto& [term, lines] : now) {
+    const std::string file = numbered((term + "_%04zu.vtp").c_str(), frames_.size() - 1);
+    write_lines(directory_ / file, lines);
+    lines_[term].emplace_back(world.time(), file);
+  }
 }
 
 template <class Real>
@@ -126,7 +131,7 @@ void FrameWriter::add_pictures(World<Real>& world, const std::string& frame) {
     for (const PlacedTool& tool : placed_tools(world))
       tool.shape.jaw.isZero(0) ? panel["tools"].push_back(tool_json(tool, x)) : add_jaws(bodies, tool);
     for (const ObstacleSetup& obstacle : obstacles_) add_obstacle(bodies, obstacle);
-    add_threads(bodies, thread_lines(world));
+    add_lines(bodies, term_lines(world));
     if (!bodies.empty()) panel["bodies"] = std::move(bodies);
     Json picture{{"out", "picture_" + exact(output_.pictures[next_picture_]) + ".png"}};
     picture["panels"].push_back(std::move(panel));
@@ -136,7 +141,7 @@ void FrameWriter::add_pictures(World<Real>& world, const std::string& frame) {
 
 std::filesystem::path FrameWriter::finish() const {
   write_pvd(directory_ / "series.pvd", frames_);
-  if (!threads_.empty()) write_pvd(directory_ / "threads.pvd", threads_);
+  for (const auto& [term, files] : lines_) write_pvd(directory_ / (term + ".pvd"), files);
   if (pictures_.empty()) return {};
   const std::filesystem::path file = directory_ / "pictures.json";
   const Json request{{"pictures", pictures_}};

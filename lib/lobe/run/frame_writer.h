@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <utility>
@@ -30,14 +31,16 @@ class FrameWriter {
 
  private:
   template <class Real>
-  void record_threads(World<Real>& world);
+  void record_lines(World<Real>& world);
   template <class Real>
   void add_pictures(World<Real>& world, const std::string& frame);
 
   Output output_;
   std::vector<ObstacleSetup> obstacles_;
   std::filesystem::path directory_;
-  std::vector<std::pair<double, std::string>> frames_, threads_;
+  using Series = std::vector<std::pair<double, std::string>>;
+  Series frames_;
+  std::map<std::string, Series> lines_;  // by the force term: "threads", "attachments"
   nlohmann::ordered_json pictures_ = nlohmann::ordered_json::array();
   double next_frame_ = 0;  // [s]
   std::size_t next_picture_ = 0;

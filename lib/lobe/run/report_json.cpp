@@ -34,6 +34,12 @@ void Totals::add(const Report& report, double time, double wall) {
                            {"elastic", of.elastic},
                            {"loads", of.loads},
                            {"total", of.total()}});
+  for (const Event& event : report.events) {
+    Json& entry = events.emplace_back(Json{{"time", event.time}, {"event", name(event.kind)}});
+    if (event.place) entry["place"] = {event.place->x(), event.place->y(), event.place->z()};
+    entry["size"] = event.size;
+    if (!event.text.empty()) entry["text"] = event.text;
+  }
   for (const Condition& c : report.conditions) {
     conditions.push_back({{"time", c.time}, {"condition", name(c.kind)}, {"text", c.text}});
     const bool first_inversion = c.kind == Condition::Kind::near_inversion && !warned_of_inversion;
@@ -42,6 +48,22 @@ void Totals::add(const Report& report, double time, double wall) {
         c.kind == Condition::Kind::unravelling)
       warnings.push_back("at " + rounded(c.time) + " s: " + c.text);
   }
+}
+
+template <class Real>
+void add_attachments(World<Real>& world, Json& state) {
+  const auto gone = [](const StrandsGone& strands) {
+    return Json{{"strands", strands.count}, {"area", strands.area}, {"energy", strands.energy}};
+  };
+  for (const AttachmentFigures& of : attachment_figures(world))
+    state["attachments"].push_back({{"name", of.name},
+                                    {"strands", of.strands},
+                                    {"area", of.area},
+                                    {"tension", of.tension},
+                                    {"stored", of.stored},
+                                    {"released", of.released},
+                                    {"torn", gone(of.torn)},
+                                    {"cut", gone(of.cut)}});
 }
 
 template <class Real>
@@ -72,6 +94,7 @@ Json state_json(World<Real>& world) {
   for (const PlacedTool& tool : placed_tools(world))
     state["tools"].push_back(
         {{"name", tool.name}, {"position", array(tool.position)}, {"force", array(tool.force)}});
+  add_attachments(world, state);
   return state;
 }
 

@@ -19,7 +19,8 @@ struct Totals {
   double smallest_volume_ratio = 1;
   double simulation_seconds = 0, slowest_frame = 0, output_seconds = 0;  // wall
   std::array<double, phase_count> phases{};
-  Json cuts = Json::array(), conditions = Json::array(), series = Json::array(), transitions = Json::array();
+  Json cuts = Json::array(), conditions = Json::array(), events = Json::array(), series = Json::array(),
+       transitions = Json::array();
   Index tets_removed = 0, tets_copied = 0;
   double cut_area = 0, mass_added = 0;  // by blades [m²], [kg]
   long long states = 1, patches_evaluated = 0, patches_skipped = 0;

@@ -125,6 +125,7 @@ RunResult run(const Scene& scene, const Resolved& resolved, const RunOptions& op
       {"frames", frame_writer.frame_count()},
       {"warnings", result.warnings},
       {"conditions", totals.conditions},
+      {"events", totals.events},
       {"cuts", totals.cuts},
       {"series", totals.series}};
   add_parts_in_use(report, world, scene, resolved, totals);

@@ -24,6 +24,12 @@ class GroupBinder {
         bind(field->from, place + "/from");
         bind(field->to, place + "/to");
       }
+    for (std::size_t i = 0; i < scene.attachments.size(); ++i)
+      if (auto* bed = std::get_if<SceneBed>(&scene.attachments[i].what)) {
+        const std::string place = "/attachments/" + std::to_string(i) + "/bed";
+        bind(bed->from, place + "/from");
+        bind(bed->to, place + "/to");
+      }
     if (!faults_.empty()) throw InputError(std::move(faults_));
   }
 

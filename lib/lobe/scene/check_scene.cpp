@@ -35,6 +35,8 @@ class MeaningChecker {
       check_where(scene_.tools[i].where, child_pointer("/tools", i));
       check_path(scene_.tools[i].path, child_pointer("/tools", i) + "/path");
     }
+    for (std::size_t i = 0; i < scene_.attachments.size(); ++i)
+      check_attachment(i, child_pointer("/attachments", i));
     constexpr double most_frames = 1e7;
     if (scene_.time.duration / scene_.time.frame > most_frames) {
       add("/time/frame", exact(scene_.time.frame) + ", makes more than 10 million frames of the duration, " +
@@ -69,6 +71,20 @@ class MeaningChecker {
         }
       check_unit(body.orientation, place + "/orientation");
     }
+  }
+
+  void check_attachment(std::size_t i, const std::string& place) {
+    const SceneAttachment& attachment = scene_.attachments[i];
+    for (std::size_t j = 0; j < i; ++j)
+      if (scene_.attachments[j].name == attachment.name) {
+        add(place + "/name",
+            "\"" + attachment.name + "\" is the name of /attachments/" + std::to_string(j) + " already");
+        break;
+      }
+    const auto* bed = std::get_if<SceneBed>(&attachment.what);
+    if (!bed) return;
+    check_selector(bed->from, place + "/bed/from");
+    if (bed->to) check_selector(*bed->to, place + "/bed/to");
   }
 
   void check_unit(const Eigen::Vector4d& quaternion, const std::string& place) {

@@ -174,6 +174,28 @@ ordered_json summarise_threads(const Scene& scene) {
   return list;
 }
 
+ordered_json summarise_attachments(const Setup& setup) {
+  ordered_json list = ordered_json::array();
+  for (const AttachmentSetup& attachment : setup.attachments) {
+    double area = 0, energy = 0, longest = 0;
+    for (const StrandSetup& strand : attachment.strands) {
+      area += strand.area;
+      energy += strand.stiffness / 2 * attachment.softening * std::pow(attachment.holds_until, 2);
+      longest = std::max(longest, strand.length);
+    }
+    ordered_json& entry = list.emplace_back(ordered_json{{"name", attachment.name},
+                                                         {"strands", attachment.strands.size()},
+                                                         {"area_m2", area},
+                                                         {"longest_m", longest}});
+    if (std::isfinite(attachment.holds_until)) {
+      entry["holds_until_m"] = attachment.holds_until;
+      entry["torn_at_m"] = attachment.softening * attachment.holds_until;
+      entry["fracture_energy_J"] = energy;
+    }
+  }
+  return list;
+}
+
 ordered_json summarise(const Scene& scene, const Resolved& resolved) {
   const Setup& setup = resolved.setup;
   const auto count = [&](auto&& holds) {
@@ -198,6 +220,7 @@ ordered_json summarise(const Scene& scene, const Resolved& resolved) {
   summary["loads"] = summarise_loads(setup);
   summary["tools"] = summarise_tools(scene, setup);
   if (!scene.threads.empty()) summary["threads"] = summarise_threads(scene);
+  if (!setup.attachments.empty()) summary["attachments"] = summarise_attachments(setup);
   summary["duration_s"] = scene.time.duration;
   summary["frame_s"] = scene.time.frame;
   summary["precision"] = scene.in_double() ? "double" : "single";
@@ -311,6 +334,22 @@ void print_threads(std::ostream& out, const ordered_json& threads) {
   }
 }
 
+void print_attachments(std::ostream& out, const ordered_json& attachments) {
+  for (const ordered_json& attachment : attachments) {
+    out << "attachment " << attachment["name"].get<std::string>() << ": " << attachment["strands"]
+        << (attachment["strands"] == 1 ? " strand" : " strands") << " of up to "
+        << rounded(attachment["longest_m"]) << " m";
+    if (attachment["area_m2"] > 0) out << " on " << rounded(attachment["area_m2"]) << " m²";
+    if (attachment.contains("torn_at_m"))
+      out << ", gives way from " << rounded(attachment["holds_until_m"]) << " m on, tears at "
+          << rounded(attachment["torn_at_m"]) << " m, " << rounded(attachment["fracture_energy_J"])
+          << " J in all";
+    else
+      out << ", does not tear";
+    out << "\n";
+  }
+}
+
 }  // namespace
 
 std::string describe_json(const Scene& scene, const Resolved& resolved) {
@@ -336,6 +375,7 @@ std::string describe(const Scene& scene, const Resolved& resolved) {
   print_loads(out, summary);
   print_tools(out, summary["tools"]);
   if (summary.contains("threads")) print_threads(out, summary["threads"]);
+  if (summary.contains("attachments")) print_attachments(out, summary["attachments"]);
   out << "run        " << rounded(scene.time.duration) << " s in frames of " << rounded(scene.time.frame)
       << " s, " << summary["integrator"].get<std::string>() << ", " << summary["precision"].get<std::string>()
       << " precision";

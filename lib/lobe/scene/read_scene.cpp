@@ -288,6 +288,40 @@ SceneThread read_thread(const json& entry, const std::string& pointer) {
   return thread;
 }
 
+SceneBed read_bed(const json& entry) {
+  SceneBed bed;
+  bed.from = read_selector(entry["from"]);
+  if (entry.contains("to")) bed.to = read_selector(entry["to"]);
+  read(entry, "within", bed.within);
+  read(entry, "spacing", bed.spacing);
+  read(entry, "stiffness", bed.stiffness);
+  if (entry.contains("fracture_energy")) bed.fracture_energy = entry["fracture_energy"].get<double>();
+  return bed;
+}
+
+SceneLigament read_ligament(const json& entry) {
+  SceneLigament ligament;
+  ligament.from = read_vector(entry["from"]);
+  ligament.ends_in_world = entry.contains("to_world");
+  ligament.to = read_vector(entry[ligament.ends_in_world ? "to_world" : "to"]);
+  read(entry, "stiffness", ligament.stiffness);
+  read(entry, "slack", ligament.slack);
+  if (entry.contains("strength")) ligament.strength = entry["strength"].get<double>();
+  return ligament;
+}
+
+SceneAttachment read_attachment(const json& entry, const std::string& pointer) {
+  SceneAttachment attachment;
+  read(entry, "name", attachment.name);
+  read(entry, "softening", attachment.softening);
+  if (entry.contains("bed"))
+    attachment.what = read_bed(entry["bed"]);
+  else
+    attachment.what = read_ligament(entry["ligament"]);
+  attachment.pointer = pointer;
+  return attachment;
+}
+
 // Of a document that satisfies the schema.
 Scene from_document(const json& document) {
   Scene scene;
@@ -305,6 +339,7 @@ Scene from_document(const json& document) {
   read_entries(document, "boundary", scene.boundary, read_boundary);
   read_entries(document, "tools", scene.tools, read_tool);
   read_entries(document, "threads", scene.threads, read_thread);
+  read_entries(document, "attachments", scene.attachments, read_attachment);
   if (document.contains("contact")) read_contact(document["contact"], scene);
   if (document.contains("gravity")) scene.gravity = read_vector(document["gravity"]);
   const std::string pieces = document.value("loose_pieces", "fall");

@@ -249,6 +249,7 @@ Resolved resolve(const Scene& scene, TetMesh mesh, const ResolveOptions& options
   resolve_tools(resolution);
   resolve_contact(resolution);
   resolve_threads(resolution);
+  resolve_attachments(resolution);
   resolve_gestures(resolution);
   if (!resolution.faults.empty()) throw InputError(std::move(resolution.faults));
   warn_of_bodies(resolution);

@@ -32,10 +32,11 @@ bool holds_partly(const Entry& entry) {
 std::vector<std::string> places_of_force_terms(const Scene& scene) {
   const auto is_probe = [](const Tool& tool) { return tool.type == ProbeSetup::type; };
   const auto is_pressure = [](const Boundary& entry) { return entry.kind == Boundary::Kind::pressure; };
-  return joined(
-      joined(places_in(scene.tools, "/tools", "type", is_probe),
-             places_in(scene.boundary, "/boundary", "pressure", is_pressure)),
-      joined(place_if(scene.contact.is_on(), "/contact"), place_if(!scene.threads.empty(), "/threads")));
+  return joined(joined(places_in(scene.tools, "/tools", "type", is_probe),
+                       places_in(scene.boundary, "/boundary", "pressure", is_pressure)),
+                joined(joined(place_if(scene.contact.is_on(), "/contact"),
+                              place_if(!scene.threads.empty(), "/threads")),
+                       place_if(!scene.attachments.empty(), "/attachments")));
 }
 
 // Where a scene asks for an option; nowhere if it does not.

@@ -202,6 +202,29 @@ struct SceneThread {
   std::string pointer;
 };
 
+// A bed of strands between two parts of the surface, or a ligament between two points.
+struct SceneBed {
+  Selector from;                               // boundary faces
+  std::optional<Selector> to;                  // boundary faces; none: the world
+  double within = 0;                           // how far strands reach at most [m]; 0: only where faces touch
+  double spacing = 0;                          // about how far they are apart [m]; 0: one per face
+  double stiffness = 0;                        // per area [Pa/m]
+  std::optional<double> fracture_energy = {};  // [J/m²]; none: it never tears
+};
+struct SceneLigament {
+  Vec3d from, to;                       // [m]
+  bool ends_in_world = false;           // the second point does not move
+  double stiffness = 0;                 // [N/m]
+  double slack = 0;                     // by which it is longer than the way between its ends [m]
+  std::optional<double> strength = {};  // its largest tension [N]; none: it never tears
+};
+struct SceneAttachment {
+  std::string name;
+  double softening = 3;  // elongation at which it has torn over that at which it begins to
+  std::variant<SceneBed, SceneLigament> what;
+  std::string pointer;
+};
+
 enum class Precision : std::uint8_t { single_precision, double_precision };
 
 struct Time {
@@ -254,6 +277,7 @@ struct Scene {
   Vec3d gravity = Vec3d::Zero();  // [m/s²]
   std::vector<Tool> tools;
   std::vector<SceneThread> threads;
+  std::vector<SceneAttachment> attachments;
   ContactSetup contact;
   std::vector<std::filesystem::path> obstacle_files;  // per obstacle: of its shape, as Tool::shape_file
   LoosePieces loose_pieces = LoosePieces::fall;

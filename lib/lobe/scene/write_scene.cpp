@@ -190,6 +190,34 @@ ordered_json write(const SceneThread& thread) {
   return entry;
 }
 
+ordered_json write(const SceneBed& bed) {
+  ordered_json entry = {{"from", selector(bed.from)}};
+  if (bed.to)
+    entry["to"] = selector(*bed.to);
+  else
+    entry["to_world"] = true;
+  entry["within"] = bed.within;
+  if (bed.spacing > 0) entry["spacing"] = bed.spacing;
+  entry["stiffness"] = bed.stiffness;
+  if (bed.fracture_energy) entry["fracture_energy"] = *bed.fracture_energy;
+  return {{"bed", entry}};
+}
+
+ordered_json write(const SceneLigament& ligament) {
+  ordered_json entry = {{"from", vector_json(ligament.from)},
+                        {ligament.ends_in_world ? "to_world" : "to", vector_json(ligament.to)},
+                        {"stiffness", ligament.stiffness},
+                        {"slack", ligament.slack}};
+  if (ligament.strength) entry["strength"] = *ligament.strength;
+  return {{"ligament", entry}};
+}
+
+ordered_json write(const SceneAttachment& attachment) {
+  ordered_json entry = {{"name", attachment.name}, {"softening", attachment.softening}};
+  entry.update(std::visit([](const auto& what) { return write(what); }, attachment.what));
+  return entry;
+}
+
 template <class Entry>
 ordered_json entries(const std::vector<Entry>& list) {
   ordered_json array = ordered_json::array();
@@ -248,6 +276,7 @@ std::string to_json(const Scene& scene) {
   document["gravity"] = vector_json(scene.gravity);
   document["tools"] = entries(scene.tools);
   document["threads"] = entries(scene.threads);
+  document["attachments"] = entries(scene.attachments);
   document["contact"] = write_contact(scene);
   document["loose_pieces"] = pieces[static_cast<int>(scene.loose_pieces)];
   document["evaluator"] = scene.evaluator == Evaluator::direct ? "direct" : "stored";

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <set>
 
 #include "lobe/error.h"
 #include "lobe/fem/law_fault.h"
@@ -29,6 +30,7 @@ class Checker {
   void check_boundary();
   void check_tools();
   void check_stitches(const Expect& told);
+  void check_attachments(const Expect& told);
   void check_exclusions(Options used);
 
   void finish() {
@@ -162,6 +164,26 @@ void Checker::check_tools() {
   for_each_tool(static_cast<const ToolSetups&>(setup_), [&](const auto& tool) { tool.check(told); });
   setup_.contact.check(told);
   check_stitches(told);
+  check_attachments(told);
+}
+
+void Checker::check_attachments(const Expect& told) {
+  const auto bears = [&](const EmbeddedPoint& end) {
+    return is_tet(end.tet) && (std::size_t(end.tet) >= setup_.region_of.size() ||
+                               setup_.region_of[std::size_t(end.tet)] != RegionModel::precomputed);
+  };
+  std::set<std::string> names;
+  for (const AttachmentSetup& attachment : setup_.attachments) {
+    attachment.check(told);
+    expect(names.insert(attachment.name).second, "there are two attachments \"" + attachment.name + "\"");
+    expect(std::all_of(attachment.strands.begin(), attachment.strands.end(),
+                       [&](const StrandSetup& strand) {
+                         return bears(strand.from) && (strand.ends_in_world() || bears(strand.to));
+                       }),
+           "attachment \"" + attachment.name +
+               "\" has an end in a tetrahedron that there is not, or that is precomputed, where nothing can "
+               "pull");
+  }
 }
 
 void Checker::check_stitches(const Expect& told) {

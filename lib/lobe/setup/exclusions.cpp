@@ -99,7 +99,7 @@ const char* name(Option option) {
     case Option::selective_mass:
       return "\"selective_mass\"";
     case Option::force_terms:
-      return "a probe, a pressure, a thread, a force term or springs";
+      return "a probe, a pressure, a thread, an attachment, a force term or springs";
     case Option::implicit:
       return "\"integrator\": \"implicit\"";
     case Option::single_precision:
@@ -144,7 +144,7 @@ Options options_of(const Setup& setup) {
   used.add(Option::sleep, setup.sleep > 0);
   used.add(Option::selective_mass, setup.selective_mass > 1);
   used.add(Option::force_terms, !setup.probes.empty() || setup.contact.is_on() || !setup.pressures.empty() ||
-                                    !setup.stitches.empty());
+                                    !setup.stitches.empty() || !setup.attachments.empty());
   used.add(Option::partly_held, any_partly_held(setup));
   used.add(Option::implicit, setup.integrator == Integrator::generalised_alpha);
   return used;

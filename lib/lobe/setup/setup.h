@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "lobe/fem/body.h"
+#include "lobe/setup/attachment_setup.h"
 #include "lobe/setup/contact_setup.h"
 #include "lobe/setup/thread_setup.h"
 #include "lobe/setup/tool_setups.h"
@@ -100,6 +101,7 @@ struct Setup : Body, ToolSetups {
   bool expandable = false;  // pre-computed regions may be non-linear for a while (command Expand)
   ContactSetup contact;
   std::vector<StitchSetup> stitches;
+  std::vector<AttachmentSetup> attachments;
 
   // What decides how a world moves, for fingerprint(): no names.
   static constexpr auto fields = std::tuple_cat(
@@ -109,7 +111,7 @@ struct Setup : Body, ToolSetups {
                  &Setup::safety, &Setup::cut_step, &Setup::cut_frequency, &Setup::selective_mass,
                  &Setup::integrator, &Setup::implicit_step, &Setup::spectral_radius, &Setup::ramp,
                  &Setup::load_ramp, &Setup::sleep, &Setup::lattice_cell, &Setup::expandable, &Setup::contact,
-                 &Setup::stitches),
+                 &Setup::stitches, &Setup::attachments),
       ToolSetups::fields);
 };
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <type_traits>
 
@@ -184,7 +185,31 @@ std::vector<ThreadLine> thread_lines(World<Real>& world) {
   for (const auto& term : body.terms)
     if (term->name() == Threads<Real>::term_name) {
       body.recover_followers();
-      return static_cast<const Threads<Real>&>(*term).lines(body.here());
+      return static_cast<const Threads<Real>&>(*term).drawn(body.here());
+    }
+  return {};
+}
+
+template <class Real>
+std::vector<TermLines> term_lines(World<Real>& world) {
+  Dynamics<Real>& body = world.body();
+  std::vector<TermLines> all;
+  if (body.terms.empty()) return all;
+  body.recover_followers();
+  for (const auto& term : body.terms) {
+    std::vector<TermLines> lines = term->lines(body.here());
+    std::move(lines.begin(), lines.end(), std::back_inserter(all));
+  }
+  return all;
+}
+
+template <class Real>
+std::vector<AttachmentFigures> attachment_figures(World<Real>& world) {
+  Dynamics<Real>& body = world.body();
+  for (const auto& term : body.terms)
+    if (term->name() == Attachments<Real>::term_name) {
+      body.recover_followers();
+      return static_cast<const Attachments<Real>&>(*term).figures(body.here());
     }
   return {};
 }
@@ -194,7 +219,7 @@ std::vector<ThreadLine> thread_lines(World<Real>& world) {
 template <class Real>
 void World<Real>::publish(const Report& report) {
   surface();
-  organ_.display().publish(elements(), state(), placed_tools(*this), report);
+  organ_.display().publish(elements(), state(), placed_tools(*this), term_lines(*this), report);
 }
 
 template <class Real>
@@ -208,6 +233,10 @@ template std::vector<PlacedTool> placed_tools(World<float>&);
 template std::vector<PlacedTool> placed_tools(World<double>&);
 template std::vector<ThreadLine> thread_lines(World<float>&);
 template std::vector<ThreadLine> thread_lines(World<double>&);
+template std::vector<TermLines> term_lines(World<float>&);
+template std::vector<TermLines> term_lines(World<double>&);
+template std::vector<AttachmentFigures> attachment_figures(World<float>&);
+template std::vector<AttachmentFigures> attachment_figures(World<double>&);
 template class World<float>;
 template class World<double>;
 

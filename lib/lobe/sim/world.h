@@ -159,6 +159,12 @@ std::vector<PlacedTool> placed_tools(World<Real>& world);
 // Threads that are sewn, in the order of their numbers, with a line for each part and each loop.
 template <class Real>
 std::vector<ThreadLine> thread_lines(World<Real>& world);
+// What all force terms draw: threads, and the strands of attachments.
+template <class Real>
+std::vector<TermLines> term_lines(World<Real>& world);
+// The attachments of a world, also those of which nothing is left; none: it has none.
+template <class Real>
+std::vector<AttachmentFigures> attachment_figures(World<Real>& world);
 
 extern template class World<float>;
 extern template class World<double>;

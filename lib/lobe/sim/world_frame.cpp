@@ -296,8 +296,14 @@ void World<Real>::play_tools(double duration, Report& report) {
   if (tools_.update_grasps(time(), now, displacement, position, exists))
     report.tets_removed += organ_.grasp(now);
   const ToolWork work = tools_.work(time(), time() + duration);
-  for (const SweptVolume& volume : work.burnt) report.tets_removed += organ_.burn(volume);
-  for (const BladeMove& move : work.cuts) cut(move, report);
+  for (const SweptVolume& volume : work.burnt) {
+    organ_.sever(volume);
+    report.tets_removed += organ_.burn(volume);
+  }
+  for (const BladeMove& move : work.cuts) {
+    organ_.sever(move);
+    cut(move, report);
+  }
   organ_.blades().end_strokes();
   report.mass_added = body().inertia.mass_of_floor();
   std::vector<Condition>& found = organ_.findings().conditions;

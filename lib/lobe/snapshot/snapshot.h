@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "lobe/forces/event.h"
 #include "lobe/mesh/surface.h"
 
 namespace lobe {
@@ -38,6 +39,14 @@ struct FigureSnapshot {  // figures of the frame before the snapshot
   double wall_seconds = 0;  // that it took [s]
   Index tets = 0, tets_removed = 0;
   std::vector<std::string> conditions;  // what there is to say, a line each
+  std::vector<Event> events;
+};
+
+struct LinesSnapshot {          // straight segments of one thread, or the strands of one attachment
+  std::string term, name;       // "threads" or "attachments"; of the thread or attachment
+  Mat3X<float> ends{3, 0};      // 3 × 2 #segments: where each begins and ends [m]
+  std::vector<float> tensions;  // per segment [N]
+  std::vector<float> damages;   // per segment: 0 whole … 1 torn; empty: there is none
 };
 
 template <class Real>
@@ -47,6 +56,7 @@ struct Snapshot {
   Mat3X<Real> u, v;        // 3 × #vertices of the mesh, displacements [m] and velocities [m/s]
   SurfaceSnapshot<Real> surface;
   std::vector<ToolSnapshot> tools;
+  std::vector<LinesSnapshot> lines;
   FigureSnapshot figures;
 };
 

@@ -1,0 +1,67 @@
+// Attachments in an Organ, and what tools cut of force terms.
+#include "lobe/error.h"
+#include "lobe/organ/organ.h"
+#include "lobe/scalpel/sheet.h"
+#include "lobe/setup/exclusions.h"
+
+namespace lobe {
+
+template <class Real>
+Attachments<Real>& Organ<Real>::attachments() {
+  return static_cast<Attachments<Real>&>(own_term(Attachments<Real>::term_name));
+}
+
+template <class Real>
+template <class Change>
+void Organ<Real>::change_attachments(const Change& change) {
+  Attachments<Real> trial{Setup()};  // throws before anything changes
+  for (const auto& term : body_.terms)
+    if (term->name() == Attachments<Real>::term_name) trial = static_cast<const Attachments<Real>&>(*term);
+  change(trial);
+  const std::vector<Index> before = body_.woken_by_terms();
+  synchronise();
+  change(attachments());
+  terms_have_changed(before);
+}
+
+template <class Real>
+void Organ<Real>::perform(const Attach& edit) {
+  refuse_excluded(Option::force_terms, options_of(setup_), "attachment");
+  for (const StrandSetup& strand : edit.attachment.strands)
+    for (const EmbeddedPoint* end : {&strand.from, &strand.to}) {
+      if (end->tet < 0) continue;
+      check_tets({end->tet});
+      for (const Index v : elements().topology.corners(end->tet))
+        if (body_.regions.is_interior(v) && body_.regions.follows(v))
+          throw InputError("attachment \"" + edit.attachment.name + "\"",
+                           "cannot end in tetrahedron " + std::to_string(end->tet) +
+                               ": it is inside of a precomputed region; expand that, or make it tensor-mass");
+    }
+  change_attachments([&](auto& attachments) { attachments.attach(edit.attachment, elements().topology); });
+}
+
+template <class Real>
+void Organ<Real>::perform(const Detach& edit) {
+  change_attachments([&](auto& attachments) { attachments.detach(edit.attachment, body_.here()); });
+}
+
+template <class Real>
+void Organ<Real>::sever(const SweptVolume& volume) {
+  if (body_.terms.empty()) return;
+  body_.recover_followers();
+  for (const auto& term : body_.terms) term->sever(volume, body_.here());
+}
+
+template <class Real>
+void Organ<Real>::sever(const BladeMove& move) {
+  if (body_.terms.empty()) return;
+  constexpr double half_thickness = 2e-4;  // of a blade [m]
+  const Sheet sheet({move.from.tip, move.from.heel}, {move.to.tip, move.to.heel});
+  const Vec3d reach = Vec3d::Constant(half_thickness);
+  sever(SweptVolume{
+      {sheet.box().min() - reach, sheet.box().max() + reach}, {}, {}, [&](const Vec3d& p, const Vec3d& q) {
+        return sheet.crossing(p, q) || sheet.distance((p + q) / 2, half_thickness) <= half_thickness;
+      }});
+}
+
+}  // namespace lobe

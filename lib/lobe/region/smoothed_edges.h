@@ -32,6 +32,7 @@ class SmoothedEdges {
     if (tet >= of_.cols()) return Eigen::Matrix<Index, 6, 1>::Constant(-1);
     return of_.col(tet);
   }
+  std::span<const Index> tets_of(Index edge) const { return tets_of_[edge]; }
   const SmoothedEdge& operator[](Index edge) const { return edges_[std::size_t(edge)]; }
 
  private:

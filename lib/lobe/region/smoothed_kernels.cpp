@@ -7,39 +7,116 @@
 namespace lobe::LOBE_KERNELS {
 namespace {
 
-// Vectors of the vertices of a block of domains. They are added block by block, vertex by vertex, so that the
-// order of the sums, and so their bits, does not depend on the width of registers.
+// Adds vectors of the vertices of a block of domains to sums: half a block after the other, vertex by vertex,
+// the first at the end, so that the order of the sums, and so their bits, does not depend on the width of
+// registers. Registers of half a block add at once; others keep their vectors until the block ends.
 template <class T>
 class DomainVectors {
  public:
   using Real = typename T::value_type;
   using Vectors = PaddedVectors<T>;
-  static constexpr int width = SmoothedBlock<Real>::width;
+  static constexpr int width = SmoothedBlock<Real>::width, half = width / 2, count = Vectors::count;
+  static constexpr bool is_direct = count == half;
 
-  void set(Index vertex, int first, const Vec3<T>& vectors) {
-    Vectors::store(vectors, vectors_[vertex] + 4 * first);
+  DomainVectors(const SmoothedArrays<Real>& patch, Real* sums) : patch_(patch), sums_(sums) {}
+
+  [[gnu::always_inline]] void add(Index block, Index vertex, int first, const Vec3<T>& vectors) {
+    if constexpr (is_direct) {
+      alignas(64) Real row[4 * count];
+      Vectors::store(vectors, row);
+      add_half(numbers(block)[vertex], first, row);
+    } else {
+      Vectors::store(vectors, kept_[vertex] + 4 * first);
+    }
   }
-  void add_to(Real* sums, const SmoothedArrays<Real>& patch, Index block) const {
-    const auto* numbers = patch.numbers + patch.blocks[block].first + block;
-    for (Index j = 0; j < patch.blocks[block].vertices; ++j) add_row(sums, numbers[j], vectors_[j]);
+  [[gnu::always_inline]] void end(Index block) {
+    if constexpr (!is_direct) {
+      const Index vertices = patch_.blocks[block].vertices;
+      for (int first = 0; first < width; first += half) {
+        for (Index j = 1; j < vertices; ++j) add_half(numbers(block)[j], first, kept_[j] + from(first));
+        add_half(numbers(block)[0], first, kept_[0] + from(first));
+      }
+    }
   }
 
  private:
-  static void add_row(Real* sums, const NumberRow<Real>& numbers, const Real* vectors) {
+  // Where the register of a lane begins in a row.
+  static constexpr int from(int lane) { return lane / count * 4 * count; }
+
+  const NumberRow<Real>* numbers(Index block) const {
+    return patch_.numbers + patch_.blocks[block].first + block;
+  }
+  [[gnu::always_inline]] void add_half(const NumberRow<Real>& numbers, int first, const Real* row) const {
     using Four [[gnu::vector_size(4 * sizeof(Real))]] = Real;
-    unrolled<width>([&](int lane) {
+    const int lane_of_register = first % count;
+    unrolled<half>([&](int i) {
       Four sum, vector;
-      Real* place = sums + 4 * numbers[lane];
-      constexpr int count = Vectors::count;
+      Real* place = sums_ + 4 * numbers[first + i];
       std::memcpy(&sum, place, sizeof sum);
-      std::memcpy(&vector, vectors + lane / count * 4 * count + Vectors::offset(lane % count), sizeof vector);
+      std::memcpy(&vector, row + from(i) + Vectors::offset((lane_of_register + i) % count), sizeof vector);
       sum += vector;
       std::memcpy(place, &sum, sizeof sum);
     });
   }
 
-  alignas(64) Real vectors_[256][4 * width];  // one byte numbers a vertex
+  const SmoothedArrays<Real>& patch_;
+  Real* sums_;
+  alignas(64) Real kept_[is_direct ? 1 : domain_rows][4 * width];
 };
+
+template <class T>
+[[gnu::always_inline]] inline Vec3<T> cross(const Vec3<T>& a, const Vec3<T>& b) {
+  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+template <class T>
+[[gnu::always_inline]] inline T dot(const Vec3<T>& a, const Vec3<T>& b) {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+// ∂(W/V)/∂J of the volume term and the guard [Pa], of v = J − 1.
+template <class T>
+[[gnu::always_inline]] inline T volume_slope(const Law<T>& law, const T& v) {
+  T slope = law.kappa * v * abs(v);
+  if (law.guard_threshold[0] > 0) {
+    const T J = T(1) + v;
+    if (any_of(J < law.guard_threshold)) slope += law.guard_modulus * guard(J, law.guard_threshold).slope;
+  }
+  return slope;
+}
+
+// Sets the forces of the tetrahedra of a block on all vertices but the first [N]. With e, p, r from the first
+// vertex to the second and to neighbours of the chain, 6 J V = e · (p × r), the derivatives of which are
+// cross products. J − 1 is found from the difference to the same product at rest: it is 0 there exactly.
+template <class T, class Real>
+LOBE_FLATTEN [[gnu::noinline]] void find_tet_forces(const SmoothedArrays<Real>& patch, Index b, int first,
+                                                    Vec3<T>* f) {
+  const SmoothedBlock<Real>& block = patch.blocks[b];
+  const auto* numbers = patch.numbers + block.first + b;
+  const ChainRow<Real>* rows = patch.chains + block.chain;
+  const Real* u = &patch.u->xyz0[0];
+  const Law<T> law = patch.law.template as<T>();
+  const Vec3<T> origin = PaddedVectors<T>::load(u, &numbers[0][first]);
+  const auto from_first = [&](Index row) __attribute__((always_inline)) {
+    Vec3<T> x = PaddedVectors<T>::load(u, &numbers[row + 1][first]) - origin;
+    for (int d = 0; d < 3; ++d) x[d] += T(&rows[row].X[d][first]);
+    return x;
+  };
+  const Vec3<T> e = from_first(0);
+  Vec3<T> p = from_first(1), p_turned = cross(e, p), f_e = Vec3<T>::Constant(T(0)), f_p = f_e;
+  for (Index i = 2; i < block.places + 2; ++i) {
+    const Vec3<T> r = from_first(i), r_turned = cross(e, r), c = cross(p, r);
+    const T v = (dot(e, c) - T(&rows[i].six_V[first])) * T(&rows[i].per_six_V[first]);
+    const T slope = volume_slope(law, v) * T(Real(-1.0 / 6));
+    f_e += c * slope;
+    f[i] = f_p - r_turned * slope;
+    f_p = p_turned * slope;
+    p = r;
+    p_turned = r_turned;
+  }
+  f[1] = f_e;
+  f[block.places + 2] = f_p;
+  for (Index j = block.places + 3; j < block.vertices; ++j) f[j] = Vec3<T>::Constant(T(0));
+}
 
 // The kernels are flattened (LOBE_FLATTEN): all formulas inline, however often they are used elsewhere. Clang
 // does this with what they call themselves, and not with what that calls.
@@ -47,8 +124,10 @@ template <class Real, Terms terms, Strain strain = Strain::finite>
 LOBE_FLATTEN void add_forces_of(const SmoothedArrays<Real>& patch, Real* sums) {
   using T = Pack<Real>;
   using Lanes = DomainLanes<T>;
-  DomainVectors<T> forces;
+  DomainVectors<T> forces(patch, sums);
+  Vec3<T> of_tets[domain_rows];
   for (Index b = 0; b < patch.block_count; ++b) {
+    const bool has_tets = strain == Strain::finite && patch.blocks[b].places > 0;
     for (int first = 0; first < SmoothedBlock<Real>::width; first += Lanes::count) {
       const Law<T> law = law_of_domains<T>(patch, terms, b, first);
       const Lanes e(patch, b, first);
@@ -57,15 +136,17 @@ LOBE_FLATTEN void add_forces_of(const SmoothedArrays<Real>& patch, Real* sums) {
         minus_VP = linear_stress(law.times(-e.V), e.H);
       else
         minus_VP = law_stress(law.times(-e.V), e.H);
+      if (has_tets) find_tet_forces<T>(patch, b, first, of_tets);
       Vec3<T> of_first = Vec3<T>::Constant(T(0));
       for (Index j = 1; j < e.vertices; ++j) {
-        const Vec3<T> f = minus_VP.lazyProduct(e.gradient(j));
+        Vec3<T> f = minus_VP.lazyProduct(e.gradient(j));
+        if (has_tets) f += of_tets[j];
         of_first -= f;
-        forces.set(j, first, f);
+        forces.add(b, j, first, f);
       }
-      forces.set(0, first, of_first);
+      forces.add(b, 0, first, of_first);
     }
-    forces.add_to(sums, patch, b);
+    forces.end(b);
   }
 }
 
@@ -93,19 +174,18 @@ template <class Real, Terms terms, StiffnessPart part>
 LOBE_FLATTEN void add_stiffness_of(const SmoothedArrays<Real>& patch, Real* sums) {
   using T = Pack<Real>;
   using Lanes = DomainLanes<T>;
-  DomainVectors<T> entries;
+  DomainVectors<T> entries(patch, sums);
   for (Index b = 0; b < patch.block_count; ++b) {
     for (int first = 0; first < SmoothedBlock<Real>::width; first += Lanes::count) {
       const Law<T> law = law_of_domains<T>(patch, terms, b, first);
       const Lanes e(patch, b, first);
-      Vec3<T> gradient = e.first_gradient();
-      for (Index j = 0; j < e.vertices; ++j) {
-        if (j > 0) gradient = e.gradient(j);
-        const Mat3<T> K = law_diagonal_block(law, e.H, gradient);
-        entries.set(j, first, entries_of<part, T>(K) * e.V);
+      for (Index i = 1; i <= e.vertices; ++i) {
+        const Index j = i < e.vertices ? i : 0;
+        const Mat3<T> K = law_diagonal_block(law, e.H, j > 0 ? e.gradient(j) : e.first_gradient());
+        entries.add(b, j, first, entries_of<part, T>(K) * e.V);
       }
     }
-    entries.add_to(sums, patch, b);
+    entries.end(b);
   }
 }
 

@@ -6,6 +6,9 @@
 
 namespace lobe {
 
+// The most vertices of a domain: a byte numbers them, and one may be there twice (tet_owners.h).
+inline constexpr int domain_rows = 257;
+
 // As many domains as a row has numbers. Domains of one block have about as many vertices each. Their rows lie
 // one after the other in the arrays below.
 template <class Real>
@@ -16,6 +19,8 @@ struct alignas(64) SmoothedBlock {
   Row V{};             // [m³], zero in empty lanes
   Index vertices = 1;  // the most of a domain
   Index first = 0;     // row of gradients of the second vertex
+  Index places = 0;    // for tetrahedra, between the vertices of chains (tet_owners.h)
+  Index chain = 0;     // ChainRow of the second vertex, if there are places
 };
 
 // Of one vertex of each domain of a block. A domain with fewer vertices repeats its first, with gradient 0.
@@ -23,8 +28,23 @@ template <class Real>
 struct alignas(64) GradientRow {
   std::array<typename ElementBlock<Real>::Row, 3> b{};  // [1/m]
 };
+// Of one vertex of the chain of each domain of a block: the second vertex, then the chain (TetChain).
 template <class Real>
-using NumberRow = std::array<std::uint8_t, std::size_t(ElementBlock<Real>::width)>;
+struct alignas(64) ChainRow {
+  std::array<typename ElementBlock<Real>::Row, 3> X{};    // from the domain's first vertex, at rest [m]
+  typename ElementBlock<Real>::Row six_V{}, per_six_V{};  // of the tetrahedron that ends here [m³]; 0: none
+};
+// A vertex by the number n that a patch gives it, kept as 4n: where its PaddedVector begins.
+struct PaddedPlace {
+  std::uint16_t begin = 0;
+
+  static PaddedPlace of(std::uint8_t number) { return {static_cast<std::uint16_t>(4 * number)}; }
+  [[gnu::always_inline]] friend inline std::size_t operator*(int, PaddedPlace place) {
+    return place.begin;
+  }  // by 4
+};
+template <class Real>
+using NumberRow = std::array<PaddedPlace, std::size_t(ElementBlock<Real>::width)>;
 
 // One for each SmoothedBlock, if a material has nodal pressure.
 template <class Real>
@@ -37,7 +57,7 @@ struct alignas(64) DomainGradients {
   std::array<typename ElementBlock<Real>::Row, 9> entries;
 };
 
-// Whether domains have the law of the non-linear model or the linear one.
+// Whether domains have a law of the deformation gradient or the linear one.
 enum class Strain : std::uint8_t { finite, small };
 
 template <class Real>
@@ -46,12 +66,13 @@ struct SmoothedArrays {  // one patch: all its domains are of one material
   Index block_count;
   const GradientRow<Real>* gradients;    // of all vertices but the first
   const NumberRow<Real>* numbers;        // of all vertices, as the patch numbers them
+  const ChainRow<Real>* chains;          // of blocks that have tetrahedra
   const FibreBlock<Real>* fibre_blocks;  // null where no material has fibres
   const EndNodeRows<Real>* node_rows;    // null where no material has nodal pressure
   const Real* pressure;                  // per node [Pa]
   const PaddedVector<Real>* u;           // per vertex of the patch [m]
   const DomainGradients<Real>* H;        // per block, where they are known; else null
-  Law<Real> law;                         // without its pressure and direction
+  Law<Real> law;  // without its pressure and direction; volume term and guard are those of tetrahedra
   Strain strain;
 };
 
@@ -65,7 +86,8 @@ inline constexpr Terms smoothed_terms[] = {{},
 
 template <class Real>
 struct SmoothedKernels {
-  // Adds the forces of the patch's domains to those of its vertices [N]: block by block, vertex by vertex.
+  // Adds the forces of the patch's domains to those of its vertices [N], and the forces of the volume term
+  // and the guard of the tetrahedra that they own.
   void (*add_forces)(const SmoothedArrays<Real>& patch, PaddedVector<Real>* f);
   // ∇u, and V tr E [m³], block by block.
   void (*find_gradients)(const SmoothedArrays<Real>& patch, DomainGradients<Real>* H, Real* volume_strains);

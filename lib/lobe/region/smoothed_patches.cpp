@@ -1,7 +1,7 @@
 #include "lobe/region/smoothed_patches.h"
 
 #include <algorithm>
-#include <numeric>
+#include <tuple>
 
 #include "lobe/assert.h"
 #include "lobe/error.h"
@@ -11,6 +11,16 @@
 #include "lobe/sort_unique.h"
 
 namespace lobe {
+
+namespace {
+
+template <class Real>
+Real triple_product(const Vec3<Real>& e, const Vec3<Real>& p, const Vec3<Real>& r) {
+  return e[0] * (p[1] * r[2] - p[2] * r[1]) + e[1] * (p[2] * r[0] - p[0] * r[2]) +
+         e[2] * (p[0] * r[1] - p[1] * r[0]);
+}
+
+}  // namespace
 
 template <class Real>
 std::vector<typename SmoothedPatches<Real>::Layout::Item> SmoothedPatches<Real>::items_of(
@@ -34,14 +44,8 @@ void SmoothedPatches<Real>::follow(const Elements& elements, const std::vector<I
                                    const std::vector<Index>& enter, RegionModel model) {
   const std::vector<Index> edges = edges_.follow(elements, leave, enter, model);
   if (edges.empty()) return;
-  fibres_ = any_fibre(elements.materials);
-  laws_.clear();
-  const bool is_finite = strain_ == Strain::finite;
-  nodal_pressure_ = is_finite && any_nodal_pressure(elements.materials);
-  for (const Elastic& elastic : elements.materials) {
-    laws_.push_back(is_finite ? nonlinear_law(elastic, 0, 0) : linear_law(elastic));
-    laws_.back().terms.pressure = is_finite && elastic.nodal_lambda() > 0;
-  }
+  set_laws(elements, model);
+  if (has_tets_) owners_.follow(edges_, leave, enter);
   if (nodal_pressure_) {
     pressures_.follow(elements, edges_, edges);
     volume_strain_.resize(std::size_t(edges_.count()));
@@ -68,53 +72,122 @@ void SmoothedPatches<Real>::follow(const Elements& elements, const std::vector<I
   patches_.resize(std::size_t(layout_.patch_count()));
   if (nodal_pressure_) gradients_.resize(patches_.size() * patch_blocks);
   sums_.resize(layout_.patch_count());
-  for (Index p : changed) write(p);
+  for (Index p : changed) write(elements, p);
 }
 
-// Domains of as many vertices stay in the order of their slots, in which neighbours lie far apart
-// (patch_layout.cpp).
+// Volume term and guard are those of tetrahedra: their moduli are here, and not their terms.
 template <class Real>
-void SmoothedPatches<Real>::write(Index p) {
+void SmoothedPatches<Real>::set_laws(const Elements& elements, RegionModel model) {
+  fibres_ = any_fibre(elements.materials);
+  laws_.clear();
+  has_tets_ = nodal_pressure_ = false;
+  for (const Elastic& elastic : elements.materials) {
+    Law<double>& law = laws_.emplace_back(linear_law(elastic));
+    if (strain_ == Strain::small) continue;
+    law = model == RegionModel::corotational
+              ? corotational_law(elastic)
+              : nonlinear_law(elastic, elements.volume_penalty, elements.guard_below);
+    has_tets_ = has_tets_ || law.terms.volume || law.terms.guard;
+    law.terms.volume = law.terms.guard = false;
+    law.terms.pressure = model != RegionModel::corotational && elastic.nodal_lambda() > 0;
+    nodal_pressure_ = nodal_pressure_ || law.terms.pressure;
+  }
+}
+
+// Domains without tetrahedra come first, then those with; either by the number of their vertices. Those of as
+// many stay in the order of their slots, in which neighbours lie far apart (patch_layout.cpp).
+template <class Real>
+std::vector<typename SmoothedPatches<Real>::Domain> SmoothedPatches<Real>::domains_in(
+    const Elements& elements, Index p) const {
+  std::vector<Domain> domains(std::size_t(layout_.patch(p).items));
+  Index slot = p * Layout::capacity;
+  for (Domain& domain : domains) {
+    domain.slot = slot++;
+    const Index e = layout_.id_of(domain.slot);
+    find_tet_chain(elements.topology, edges_[e], owners_.of(e), domain.chain);
+  }
+  const auto rank = [](const Domain& domain) {
+    return std::tuple(!domain.chain.tets.empty(), domain.chain.order.size(), domain.chain.tets.size());
+  };
+  std::stable_sort(domains.begin(), domains.end(),
+                   [&](const Domain& a, const Domain& b) { return rank(a) < rank(b); });
+  return domains;
+}
+
+template <class Real>
+void SmoothedPatches<Real>::write(const Elements& elements, Index p) {
   constexpr Index width = Block::width;
-  const Index count = layout_.patch(p).items, first = p * Layout::capacity;
-  std::vector<Index> slots(std::size_t(count), 0);
-  std::iota(slots.begin(), slots.end(), first);
-  std::stable_sort(slots.begin(), slots.end(),
-                   [&](Index a, Index b) { return corners_[a].size() < corners_[b].size(); });
+  const std::vector<Domain> domains = domains_in(elements, p);
+  const Index count = static_cast<Index>(domains.size());
   Patch& patch = patches_[p];
   patch = {};
   patch.blocks.resize(std::size_t((count + width - 1) / width));
   if (fibres_) patch.fibres.resize(patch.blocks.size());
   if (nodal_pressure_) patch.node_rows.resize(patch.blocks.size());
-  for (Index slot : slots) patch.edges.push_back(layout_.id_of(slot));
+  for (const Domain& domain : domains) patch.edges.push_back(layout_.id_of(domain.slot));
   for (Index b = 0; b * width < count; ++b) {
     const Index end = std::min(count, (b + 1) * width);
     Block& block = patch.blocks[b];
-    block.vertices = static_cast<Index>(corners_[slots[end - 1]].size());
+    for (Index i = b * width; i < end; ++i) {
+      block.vertices = std::max(block.vertices, static_cast<Index>(domains[i].chain.order.size()));
+      block.places = std::max(block.places, static_cast<Index>(domains[i].chain.tets.size()));
+    }
     block.first = static_cast<Index>(patch.gradients.size());
+    block.chain = static_cast<Index>(patch.chains.size());
     patch.gradients.resize(patch.gradients.size() + std::size_t(block.vertices - 1));
     patch.numbers.resize(patch.numbers.size() + std::size_t(block.vertices));
-    for (Index i = b * width; i < end; ++i) write_lane(patch, b, int(i - b * width), slots[i]);
+    if (block.places > 0) patch.chains.resize(patch.chains.size() + std::size_t(block.places + 2));
+    for (Index i = b * width; i < end; ++i) {
+      write_lane(patch, b, int(i - b * width), domains[i]);
+      write_chain(elements, patch, b, int(i - b * width), domains[i]);
+    }
   }
 }
 
+// A vertex that is there twice has its gradient once.
 template <class Real>
-void SmoothedPatches<Real>::write_lane(Patch& patch, Index b, int lane, Index slot) const {
-  const Index number = layout_.id_of(slot);
+void SmoothedPatches<Real>::write_lane(Patch& patch, Index b, int lane, const Domain& domain) const {
+  const Index number = layout_.id_of(domain.slot);
   const SmoothedEdge& edge = edges_[number];
-  const auto& corners = corners_[slot];
+  const auto& corners = corners_[domain.slot];
+  const std::vector<std::uint8_t>& order = domain.chain.order;
   Block& block = patch.blocks[b];
   block.V[lane] = static_cast<Real>(edge.volume);
-  for (Index j = 0; j < block.vertices; ++j) {
-    const bool is_there = j < static_cast<Index>(corners.size());
-    patch.numbers[block.first + b + j][lane] = corners[is_there ? j : 0];
-    for (int d = 0; d < 3 && is_there && j > 0; ++d)
-      patch.gradients[block.first + j - 1].b[d][lane] = static_cast<Real>(edge.gradients[j][d]);
+  for (std::size_t j = 0; j < std::size_t(block.vertices); ++j) {
+    const bool is_there = j < order.size();
+    patch.numbers[block.first + b + j][lane] = PaddedPlace::of(corners[is_there ? order[j] : 0]);
+    const bool is_new =
+        is_there && std::find(order.begin(), order.begin() + j, order[j]) == order.begin() + j;
+    for (int d = 0; d < 3 && is_new && j > 0; ++d)
+      patch.gradients[block.first + j - 1].b[d][lane] = static_cast<Real>(edge.gradients[order[j]][d]);
   }
   for (int d = 0; d < 3 && fibres_; ++d)
     patch.fibres[b].direction[d][lane] = static_cast<Real>(edge.direction[d]);
   for (int end = 0; end < 2 && nodal_pressure_; ++end)
     patch.node_rows[b].nodes[end][lane] = pressures_.of(number)[end];
+}
+
+// 6V by the arithmetic of the kernel.
+template <class Real>
+void SmoothedPatches<Real>::write_chain(const Elements& elements, Patch& patch, Index b, int lane,
+                                        const Domain& domain) const {
+  const SmoothedEdge& edge = edges_[layout_.id_of(domain.slot)];
+  const TetChain& chain = domain.chain;
+  if (chain.tets.empty()) return;
+  const auto from_first = [&](std::size_t j) -> Vec3<Real> {
+    const Index v = edge.vertices[chain.order[j]];
+    return (elements.points.col(v) - elements.points.col(edge.vertices[0])).template cast<Real>();
+  };
+  ChainRow<Real>* rows = &patch.chains[patch.blocks[b].chain];
+  const Vec3<Real> e = from_first(1);
+  for (std::size_t j = 1; j < chain.tets.size() + 3; ++j) {
+    const Vec3<Real> r = from_first(j);
+    for (int d = 0; d < 3; ++d) rows[j - 1].X[d][lane] = r[d];
+    const Index tet = j < 3 ? -1 : chain.tets[j - 3];
+    if (tet < 0) continue;
+    rows[j - 1].six_V[lane] = triple_product(e, from_first(j - 1), r);
+    rows[j - 1].per_six_V[lane] = static_cast<Real>(1 / (6 * elements.volume(tet)));
+  }
 }
 
 template <class Real>
@@ -125,6 +198,7 @@ SmoothedArrays<Real> SmoothedPatches<Real>::arrays(Index p, const LocalVectors& 
           static_cast<Index>(patch.blocks.size()),
           patch.gradients.data(),
           patch.numbers.data(),
+          patch.chains.data(),
           patch.fibres.data(),
           nodal_pressure_ ? patch.node_rows.data() : nullptr,
           pressure_.data(),
@@ -230,7 +304,7 @@ std::size_t SmoothedPatches<Real>::bytes() const {
   std::size_t sum = 0;
   const auto of = [](const auto& rows) { return rows.size() * sizeof(rows[0]); };
   for (const Patch& p : patches_)
-    sum += of(p.blocks) + of(p.gradients) + of(p.numbers) + of(p.fibres) + of(p.node_rows);
+    sum += of(p.blocks) + of(p.gradients) + of(p.numbers) + of(p.chains) + of(p.fibres) + of(p.node_rows);
   return sum;
 }
 

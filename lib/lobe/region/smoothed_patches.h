@@ -1,13 +1,15 @@
 // Evaluates the edge-smoothed tetrahedra of one model (fem/smoothed_edge.h) in patches of domains: one
-// gather of a domain's vertices, one stress, one scatter. If a material has nodal pressure, a pass over the
-// strains comes first, which keeps the gradients of its domains. The domains of a patch are ordered by their
-// number of vertices, so that those of a block have about as many. An edit writes the patches that it changes
-// again.
+// gather of a domain's vertices, one stress, one scatter. Volume term and guard, which act at each
+// tetrahedron, are computed by domains on the way (tet_owners.h). If a material has nodal pressure, a pass
+// over the strains comes first, which keeps the gradients of its domains. The domains of a patch are ordered
+// by their number of vertices, so that those of a block have about as many. An edit writes the patches that
+// it changes again.
 #pragma once
 
 #include "lobe/region/edge_pressures.h"
 #include "lobe/region/patch_sums.h"
 #include "lobe/region/smoothed_kernels.h"
+#include "lobe/region/tet_owners.h"
 
 namespace lobe {
 
@@ -42,15 +44,23 @@ class SmoothedPatches {
     std::vector<Block> blocks;
     std::vector<GradientRow<Real>> gradients;
     std::vector<NumberRow<Real>> numbers;
+    std::vector<ChainRow<Real>> chains;        // none if no domain owns tetrahedra
     std::vector<FibreBlock<Real>> fibres;      // none where no material has fibres
     std::vector<EndNodeRows<Real>> node_rows;  // none where no material has nodal pressure
     std::vector<Index> edges;                  // in the order of lanes
   };
 
+  void set_laws(const Elements& elements, RegionModel model);
   bool any() const { return layout_.item_count() > 0; }
   std::vector<Layout::Item> items_of(const std::vector<Index>& edges) const;
-  void write(Index p);
-  void write_lane(Patch& patch, Index block, int lane, Index slot) const;
+  struct Domain {
+    Index slot;
+    TetChain chain;
+  };
+  std::vector<Domain> domains_in(const Elements& elements, Index p) const;
+  void write(const Elements& elements, Index p);
+  void write_lane(Patch& patch, Index block, int lane, const Domain& domain) const;
+  void write_chain(const Elements& elements, Patch& patch, Index block, int lane, const Domain& domain) const;
   SmoothedArrays<Real> arrays(Index p, const LocalVectors& u) const;
   void find_pressures(const Mat3X<Real>& u, Parallel& parallel);
   std::vector<Mat3<double>> kept_gradients() const;
@@ -58,6 +68,8 @@ class SmoothedPatches {
   SmoothedKernels<Real> kernels_;
   Strain strain_;
   SmoothedEdges edges_;
+  bool has_tets_ = false;  // that have a volume term or a guard; without, no domain owns any
+  TetOwners owners_;
   Layout layout_;
   std::vector<Law<double>> laws_;              // per material
   std::vector<Layout::LocalCorners> corners_;  // per slot

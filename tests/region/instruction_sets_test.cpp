@@ -75,8 +75,9 @@ TEST_CASE_TEMPLATE(
   for (const Setup& setup : {setup_of(mesh, RegionModel::tensor_mass),
                              smoothed(setup_of(mesh, RegionModel::tensor_mass)), fibrous})
     check_same_bits<Real>(setup, [](InstructionSet set) { return TensorMassRegion<Real>(set); });
-  check_same_bits<Real>(setup_of(mesh, RegionModel::corotational),
-                        [](InstructionSet set) { return CorotationalRegion<Real>(set); });
+  const Setup corotational = setup_of(mesh, RegionModel::corotational);
+  for (const Setup& setup : {corotational, smoothed(corotational)})
+    check_same_bits<Real>(setup, [](InstructionSet set) { return CorotationalRegion<Real>(set); });
 }
 
 TEST_CASE("every instruction set gives the same bits with fibres and of every other law") {

@@ -4,6 +4,7 @@
 #include <random>
 
 #include "lobe/error.h"
+#include "lobe/region/corotational.h"
 #include "lobe/region/nonlinear.h"
 #include "lobe/sim/rebuild.h"
 #include "near.h"
@@ -16,13 +17,14 @@ using namespace lobe::test;
 
 namespace {
 
+template <class Region = NonlinearRegion<double>>
 void check_diagonal_stiffness(const Setup& setup) {
   const TetMesh& mesh = setup.mesh;
   const Elements elements(setup);
   RegionEdit everything;
   everything.entered.resize(std::size_t(mesh.tet_count()));
   std::iota(everything.entered.begin(), everything.entered.end(), 0);
-  NonlinearRegion<double> region;
+  Region region;
   region.follow(elements, everything);
   const Mat3X<double> u = random_displacement(mesh.vertex_count(), 1e-3);
   DiagonalStiffness K = DiagonalStiffness::Zero(6, mesh.vertex_count());
@@ -103,6 +105,8 @@ TEST_CASE("with smoothed edges single precision follows double, and threads do n
 TEST_CASE("with smoothed edges the diagonal stiffness is that of the tangent") {
   for (bool nodal_pressure : {false, true})
     check_diagonal_stiffness(mixed_setup(irregular_box(2), nodal_pressure));
+  check_diagonal_stiffness<CorotationalRegion<double>>(
+      smoothed(setup_of(irregular_box(2), RegionModel::corotational)));
 }
 
 TEST_CASE_TEMPLATE("with smoothed edges every cut leaves the body that is built from the cut mesh", Real,

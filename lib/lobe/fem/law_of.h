@@ -41,10 +41,13 @@ inline Law<double> nonlinear_law(const Elements& elements, Index tet, double pre
   law.direction = elements.fibre_of(tet);
   return law;
 }
-// The part of it that is evaluated at the strain of each tetrahedron: all, or, if the element is smoothed,
-// the volume term and the guard. Moduli of the other terms are 0.
-inline Law<double> unsmoothed_law(const Elastic& elastic, double volume_penalty, double guard_below) {
-  Law<double> law = nonlinear_law(elastic, volume_penalty, guard_below);
+// The part of the law of a material that is evaluated at the strain of each tetrahedron, in a region of any
+// model that is not linear: all, or, if the element is smoothed, the volume term and the guard. Moduli of the
+// other terms are 0.
+inline Law<double> unsmoothed_law(const Elements& elements, const Elastic& elastic, RegionModel model) {
+  Law<double> law = model == RegionModel::corotational
+                        ? corotational_law(elastic)
+                        : nonlinear_law(elastic, elements.volume_penalty, elements.guard_below);
   if (!elastic.is_smoothed()) return law;
   law.lambda = law.mu = 0;
   law.fibre = {};
@@ -52,14 +55,9 @@ inline Law<double> unsmoothed_law(const Elastic& elastic, double volume_penalty,
   law.terms = {.solid = MaterialLaw::none, .volume = law.terms.volume, .guard = law.terms.guard};
   return law;
 }
-// The same of a material in a region of any model that is evaluated tetrahedron by tetrahedron.
-inline Law<double> unsmoothed_law(const Elements& elements, const Elastic& elastic, RegionModel model) {
-  if (model == RegionModel::corotational) return corotational_law(elastic);
-  return unsmoothed_law(elastic, elements.volume_penalty, elements.guard_below);
-}
 inline Law<double> unsmoothed_law(const Elements& elements, Index tet, double pressure = 0) {
   if (!elements.elastic_of(tet).is_smoothed()) return nonlinear_law(elements, tet, pressure);
-  return unsmoothed_law(elements.elastic_of(tet), elements.volume_penalty, elements.guard_below);
+  return unsmoothed_law(elements, elements.elastic_of(tet), elements.region_of[tet]);
 }
 // The law of linear tetrahedra, for linear_stress() and similar functions: with all of λ, and no other term
 // than the fibre's.

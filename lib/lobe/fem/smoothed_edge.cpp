@@ -54,7 +54,9 @@ Law<double> smoothed_linear_law(const Elements& elements, const SmoothedEdge& ed
 }
 
 Law<double> smoothed_law(const Elements& elements, const SmoothedEdge& edge, double pressure) {
-  Law<double> law = nonlinear_law(elements.materials[edge.material], 0, 0, pressure);
+  const Elastic& material = elements.materials[edge.material];
+  Law<double> law = edge.model == RegionModel::corotational ? corotational_law(material)
+                                                            : nonlinear_law(material, 0, 0, pressure);
   law.direction = edge.direction;
   return law;
 }

@@ -46,8 +46,8 @@ inline Mat3X<double> vertex_forces(const SmoothedEdge& edge, const Mat3<double>&
   return f;
 }
 
-// The law of its material, with the direction of its fibres: the linear one (linear_law), or the non-linear
-// one without volume term and guard, which act on each tetrahedron by itself.
+// The law of its material, with the direction of its fibres: the linear one (linear_law), or that of its
+// model without volume term and guard, which act on each tetrahedron by itself.
 Law<double> smoothed_linear_law(const Elements& elements, const SmoothedEdge& edge);
 Law<double> smoothed_law(const Elements& elements, const SmoothedEdge& edge,
                          double pressure = 0);  // mean of both ends [Pa]

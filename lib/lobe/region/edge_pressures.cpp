@@ -29,7 +29,7 @@ void EdgePressures::follow(const Elements& elements, const SmoothedEdges& edges,
   for (Index e : changed) {
     const SmoothedEdge& edge = edges[e];
     const double lambda = elements.materials[edge.material].nodal_lambda();
-    if (!(edge.volume > 0) || !(lambda > 0) || is_linear(edge.model)) continue;
+    if (!(edge.volume > 0) || !(lambda > 0) || edge.model != RegionModel::nonlinear) continue;
     for (int end = 0; end < 2; ++end) {
       const Index node = node_at(edge.vertices[end], edge, lambda);
       edges_of_.append(node, e);

@@ -82,7 +82,8 @@ inline constexpr Terms smoothed_terms[] = {{},
                                            {.pressure = true},
                                            {.pressure = true, .fibre = true},
                                            {.solid = MaterialLaw::neo_hookean},
-                                           {.solid = MaterialLaw::yeoh}};
+                                           {.solid = MaterialLaw::yeoh},
+                                           {.solid = MaterialLaw::corotational}};
 
 template <class Real>
 struct SmoothedKernels {

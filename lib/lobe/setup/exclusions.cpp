@@ -21,8 +21,6 @@ constexpr Exclusion table[] = {
      "use \"direct\""},
     {Option::edge_smoothed, Option::stored, "the stored polynomial is of each tetrahedron alone",
      "use \"direct\""},
-    {Option::edge_smoothed, Option::corotational, "a corotational region is of plain tetrahedra",
-     "use \"nonlinear\""},
     {Option::corotational, Option::fibres, "its energy is that of a material alike in all directions",
      "use \"nonlinear\""},
     {Option::partly_held, Option::precomputed, "a precomputed region knows wholly held vertices only",

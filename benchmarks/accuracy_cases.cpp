@@ -92,33 +92,6 @@ std::vector<Case> users_cases(const Options& options) {
 
 // ---- Selectors
 
-// Calls visit(selector, whether it is of tetrahedra) for every selector of a scene that is at the top.
-template <class SceneType, class Visit>
-void for_each_selector(SceneType& scene, const Visit& visit) {
-  for (auto& material : scene.materials)
-    if (material.where) visit(*material.where, true);
-  for (auto& region : scene.regions)
-    if (region.where) visit(*region.where, true);
-  for (auto& boundary : scene.boundary) visit(boundary.where, false);
-  for (auto& tool : scene.tools)
-    if (tool.where) visit(*tool.where, false);
-}
-
-// The selectors that this one is made of; none if it is simple.
-std::vector<Selector>* parts_of(Selector& selector) {
-  if (auto* any = std::get_if<SelectAnyOf>(&selector.value)) return &any->parts;
-  if (auto* all = std::get_if<SelectAllOf>(&selector.value)) return &all->parts;
-  if (auto* negated = std::get_if<SelectNot>(&selector.value)) return &negated->part;
-  return nullptr;
-}
-
-bool by_number(Selector selector) {
-  if (const auto* parts = parts_of(selector)) return std::any_of(parts->begin(), parts->end(), by_number);
-  return std::holds_alternative<SelectVertices>(selector.value) ||
-         std::holds_alternative<SelectTetrahedra>(selector.value) ||
-         std::holds_alternative<SelectNearest>(selector.value);
-}
-
 SelectVertices prolongated_vertices(std::vector<Index> vertices, const TetMesh& old,
                                     const RefinedMesh& refined) {
   std::vector<char> chosen(std::size_t(old.vertex_count()), 0);
@@ -168,12 +141,6 @@ std::vector<Case> make_organs(const Options& options) {
   Case organ = liver(options.quick);
   for (const fs::path& mesh : options.meshes) organ.meshes.push_back(read_mesh(mesh).mesh);
   return {organ};
-}
-
-bool selects_by_number(const Scene& scene) {
-  bool found = false;
-  for_each_selector(scene, [&](const Selector& selector, bool) { found = found || by_number(selector); });
-  return found;
 }
 
 Scene prolongated(Scene scene, const TetMesh& old, const RefinedMesh& refined) {

@@ -6,6 +6,7 @@
 
 #include "benchmarks/benchmarks.h"
 #include "lobe/mesh/refine.h"
+#include "lobe/scene/each_selector.h"
 #include "lobe/scene/scene.h"
 
 namespace lobe::bench {
@@ -23,11 +24,7 @@ std::vector<Case> make_cases(const Options& options);
 // The shipped liver alone, or the user's scenes; also on the meshes of the options.
 std::vector<Case> make_organs(const Options& options);
 
-// Whether a selector of the scene names vertices or tetrahedra by number, or counts them: it means nothing,
-// or something else, on another mesh.
-bool selects_by_number(const Scene& scene);
-
-// The scene for the refined mesh: such selections take what lies between the vertices, or within the
+// The scene for the refined mesh: selections by number take what lies between the vertices, or within the
 // tetrahedra, that they select on the old one. All others are geometric, and stay.
 Scene prolongated(Scene scene, const TetMesh& old, const RefinedMesh& refined);
 

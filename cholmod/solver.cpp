@@ -3,6 +3,6 @@
 
 namespace lobe::program {
 
-const Solver linked_solver{"cholmod", make_cholmod};
+const Solver linked_solver{"cholmod", make_cholmod, make_cholmod};
 
 }  // namespace lobe::program

@@ -21,6 +21,7 @@
 #include "lobe/run/solve.h"
 #include "lobe/scene/bind_groups.h"
 #include "lobe/scene/describe.h"
+#include "lobe/scene/each_selector.h"
 #include "lobe/scene/read_scene.h"
 #include "lobe/scene/scene_mesh.h"
 #include "lobe/scene/unit_checks.h"
@@ -61,6 +62,12 @@ void print_proposal(const Proposal& proposal) {
   std::fflush(stdout);
 }
 
+Json share_json(const ErrorShare& share, bool has_force) {
+  Json entry{{"relative_l2", share.l2}, {"largest_displacement_excess", share.largest}};
+  if (has_force) entry["force_excess"] = share.force;
+  return entry;
+}
+
 Json total_error_json(const std::vector<TotalError>& errors) {
   Json list = Json::array();
   for (const TotalError& error : errors) {
@@ -69,12 +76,13 @@ Json total_error_json(const std::vector<TotalError>& errors) {
       entry["trouble"] = error.trouble;
       continue;
     }
-    entry["relative_l2"] = error.l2;
+    const bool has_force = error.force > 0;
     entry["largest_displacement_m"] = error.largest;
-    entry["largest_displacement_excess"] = error.of_largest;
-    if (error.force == 0) continue;
-    entry["force_N"] = error.force;
-    entry["force_excess"] = error.of_force;
+    if (has_force) entry["force_N"] = error.force;
+    entry["element"] = share_json(error.element, has_force);
+    if (error.held) entry["held"] = share_json(*error.held, has_force);
+    if (error.total) entry["total"] = share_json(*error.total, has_force);
+    if (!error.held_trouble.empty()) entry["held_trouble"] = error.held_trouble;
   }
   return list;
 }
@@ -173,8 +181,10 @@ int produce(const SceneOptions& options, const char* what, decltype(&run_scene) 
   {
     std::optional<ProgressBar> condensing("condensing");
     ProgressBar bar(what);
-    RunOptions run_options{options.output,     options.threads,   options.record,
-                           linked_solver.make, options.quadratic, {}};
+    RunOptions run_options{
+        options.output,    options.threads,
+        options.record,    options.quadratic ? linked_solver.make_definite : linked_solver.make,
+        options.quadratic, {}};
     run_options.condensing = [&](double fraction) { condensing->show(fraction); };
     run_options.progress = [&](double fraction) {
       condensing.reset();
@@ -216,6 +226,20 @@ int info(const InfoOptions& options) {
   return done;
 }
 
+// What the scene makes of another mesh, which has its scale already.
+std::function<Setup(const TetMesh&)> on_other_meshes(Scene scene) {
+  scene.mesh_scale = 1;
+  return [scene](const TetMesh& mesh) {
+    bool is_by_file = !scene.bodies.empty() || selects_by_number(scene);
+    for_each_selector(scene, [&](const Selector& selector, bool) {
+      is_by_file = is_by_file || std::holds_alternative<SelectSurface>(selector.value);
+    });
+    if (is_by_file)
+      throw InputError(scene.file.string(), "selects by numbers or names of its mesh, not by places alone");
+    return resolve(scene, mesh, {false, {}}).setup;
+  };
+}
+
 int check(const SceneOptions& options) {
   const Loaded loaded = load(options, false);
   if (!loaded.scene.skin.empty()) read_obj(skin_path(loaded.scene));  // as lobe view will
@@ -223,7 +247,8 @@ int check(const SceneOptions& options) {
   if (options.total_error) {
     ProgressBar bar("solving");
     errors = total_errors(loaded.resolved.setup,
-                          {linked_solver.make, [&](double fraction) { bar.show(fraction); }});
+                          {linked_solver.make_definite, [&](double fraction) { bar.show(fraction); },
+                           on_other_meshes(loaded.scene)});
   }
   if (options.json) {
     Json description = Json::parse(describe_json(loaded.scene, loaded.resolved));

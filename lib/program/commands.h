@@ -35,6 +35,7 @@ struct SceneOptions {
 struct Solver {
   const char* name;
   SparseFactorMaker make;
+  SparseFactorMaker make_definite;  // of matrices that are positive definite in equilibrium
 };
 extern const Solver linked_solver;
 

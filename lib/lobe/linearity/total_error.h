@@ -1,6 +1,7 @@
 // How far the tetrahedra of a mesh are from the truth of their own body, for what will be done to it: static
-// solutions with the scene's own regions, against 10-node tetrahedra on the same mesh, all non-linear, with
-// the same body held.
+// solutions with the scene's own regions, against 10-node tetrahedra on the same mesh, all non-linear. The
+// error has two parts: that of the element, where the same body is held; and that of what is held, since a
+// selector takes other vertices on every mesh.
 #pragma once
 
 #include <functional>
@@ -13,19 +14,30 @@
 
 namespace lobe {
 
+// Of one solution to another, relative.
+struct ErrorShare {
+  double l2 = 0;       // error of the displacement over the body in L2, by mass
+  double largest = 0;  // by how much the largest displacement is larger
+  double force = 0;    // by how much the force on what the gesture moves is larger; 0 if it is the weight
+};
+
 struct TotalError {
-  std::string name;       // of the gesture
-  std::string trouble;    // why there is no figure; empty if there is one
-  double l2 = 0;          // relative L2 error of the displacement over the body, by mass
-  double largest = 0;     // largest displacement [m] of the mesh's solution
-  double of_largest = 0;  // by how much that is larger than the truth's, relative
-  double force = 0;       // on what the gesture moves [N]; 0 if it is the weight
-  double of_force = 0;    // by how much that is larger than the truth's, relative
+  std::string name;     // of the gesture
+  std::string trouble;  // why there is no figure; empty if there is one
+  double largest = 0;   // largest displacement [m] of the mesh's solution
+  double force = 0;     // on what the gesture moves [N]; 0 if it is the weight
+  ErrorShare element;   // with the same body held
+  // Of what is held: the truth with the body held that the mesh holds, to that with the nodes held that the
+  // mesh refined once has selected. And the whole error, to the latter. None if that is not known.
+  std::optional<ErrorShare> held, total;
+  std::string held_trouble;  // why it is not known, if it was asked for
 };
 
 struct TotalErrorOptions {
-  SparseFactorMaker factor = make_ldlt;
+  SparseFactorMaker factor = {};  // if none is given, a Cholesky factor by dense blocks
   std::function<void(double fraction)> progress = {};
+  // What the scene makes of another mesh of the body. If it is given, what is held is judged.
+  std::function<Setup(const TetMesh& mesh)> on_mesh = {};
 };
 
 // For each of static_loads() (gestures.h). Corotated regions, which have no static solution, count as

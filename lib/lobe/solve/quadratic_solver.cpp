@@ -8,12 +8,11 @@
 namespace lobe {
 namespace {
 
-// A vertex of an edge of the mesh: which of its components are given, and by how much they move.
+// Of each vertex or node: which of its components are given, and by how much they move.
 struct Given {
-  explicit Given(const Setup& setup)
-      : axes(std::size_t(setup.mesh.vertex_count()), Axes{}),
-        displacements(Mat3X<double>::Zero(3, setup.mesh.vertex_count())) {
-    const HeldVertices held = held_by(setup.prescribed);
+  Given(const std::vector<PrescribedVertex>& prescribed, Index count)
+      : axes(std::size_t(count), Axes{}), displacements(Mat3X<double>::Zero(3, count)) {
+    const HeldVertices held = held_by(prescribed);
     for (const HeldVertices::Held& item : held.all()) {
       axes[std::size_t(item.vertex)] = item.axes;
       for (int axis = 0; axis < 3; ++axis)
@@ -30,13 +29,22 @@ std::vector<char> nodes_in_use(const QuadraticMesh& mesh) {
   return used;
 }
 
+// An edge whose ends are given moves with them.
+Given of_all_nodes(const Given& vertices, const QuadraticMesh& mesh) {
+  Given nodes = vertices;
+  nodes.displacements = mesh.joined_linearly(vertices.displacements);
+  for (const auto& [a, b] : mesh.ends) {
+    Axes& axes = nodes.axes.emplace_back();
+    for (int axis = 0; axis < 3; ++axis)
+      axes[axis] = vertices.axes[std::size_t(a)][axis] && vertices.axes[std::size_t(b)][axis];
+  }
+  return nodes;
+}
+
 Unknowns free_nodes(const QuadraticMesh& mesh, const Given& given) {
   const std::vector<char> used = nodes_in_use(mesh);
   return Unknowns(mesh.node_count(), [&](Index node, int axis) {
-    if (!used[std::size_t(node)]) return false;
-    if (node < mesh.vertices) return !given.axes[std::size_t(node)][axis];
-    const auto [a, b] = mesh.ends[std::size_t(node - mesh.vertices)];
-    return !given.axes[std::size_t(a)][axis] || !given.axes[std::size_t(b)][axis];
+    return used[std::size_t(node)] && !given.axes[std::size_t(node)][axis];
   });
 }
 
@@ -64,15 +72,12 @@ void add_traction(const TetMesh& mesh, const QuadraticMesh& nodes, const FaceLoa
       loads.col(nodes.nodes(4 + e, load.tet)) += face_edge_share * area * load.traction;
 }
 
-}  // namespace
-
-StaticEquations quadratic_equations(const Setup& setup, const QuadraticMesh& mesh) {
+StaticEquations equations_with(const Setup& setup, const QuadraticMesh& mesh, const Given& given) {
   if (!setup.pressures.empty())
     throw InputError("pressure", "is not known on 10-node tetrahedra: leave --quadratic out");
   if (any_partly_held(setup))
     throw InputError("quadratic elements", "know wholly held vertices only: use \"hold_by\": \"vertices\"");
-  const Given given(setup);
-  StaticEquations equations{free_nodes(mesh, given), mesh.joined_linearly(given.displacements),
+  StaticEquations equations{free_nodes(mesh, given), given.displacements,
                             Mat3X<double>::Zero(3, mesh.node_count())};
   for (Eigen::Index i = 0; i < equations.prescribed.size(); ++i)
     if (equations.unknowns.number.data()[i] >= 0) equations.prescribed.data()[i] = 0;
@@ -80,6 +85,17 @@ StaticEquations quadratic_equations(const Setup& setup, const QuadraticMesh& mes
   for (const FaceLoad& load : setup.face_loads) add_traction(setup.mesh, mesh, load, equations.loads);
   for (const VertexLoad& load : setup.vertex_loads) equations.loads.col(load.vertex) += load.force;
   return equations;
+}
+
+}  // namespace
+
+StaticEquations quadratic_equations(const Setup& setup, const QuadraticMesh& mesh) {
+  return equations_with(setup, mesh, of_all_nodes(Given(setup.prescribed, setup.mesh.vertex_count()), mesh));
+}
+
+StaticEquations quadratic_equations(const Setup& setup, const QuadraticMesh& mesh,
+                                    const std::vector<PrescribedVertex>& given) {
+  return equations_with(setup, mesh, Given(given, mesh.node_count()));
 }
 
 StaticResult solve_static_quadratic(const Setup& setup, const StaticOptions& options) {

@@ -11,6 +11,7 @@
 #include "lobe/io/mesh_io.h"
 #include "lobe/mesh/generators.h"
 #include "lobe/sim/world.h"
+#include "lobe/solve/tangent.h"
 
 namespace lobe::bench {
 namespace {
@@ -112,6 +113,9 @@ void add_smoothed(std::vector<Kernel>& kernels, const SpecimenPointer& specimen,
                      double(patches->bytes()) / elements.topology.tet_count(), expected);
   };
   add("svk_smoothed", specimen->svk_smoothed);
+  elements.volume_penalty = volume_penalty;
+  add("svk_smoothed_volume", specimen->svk_smoothed_volume);
+  elements.volume_penalty = 0;
   elements.materials[0].nodal_pressure = 1;
   add("svk_smoothed_pressure", specimen->svk_smoothed_pressure);
 }
@@ -150,6 +154,12 @@ void add_tensor_mass(std::vector<Kernel>& kernels, const SpecimenPointer& specim
   const double bytes = double(region->edge_count()) * edge_bytes<Real>;
   add_region<Real>(kernels, "tensor_mass", specimen, threads, region,
                    bytes / specimen->setup.mesh.tet_count(), specimen->linear);
+  elements.materials[0].element = ElementType::edge_smoothed;
+  const auto smoothed = std::make_shared<SmoothedPatches<Real>>(chosen_instruction_set(), Strain::small);
+  const RegionEdit edit = everything(elements);
+  smoothed->follow(elements, edit.left, edit.entered, RegionModel::tensor_mass);
+  add_region<Real>(kernels, "tensor_mass_smoothed", specimen, threads, smoothed,
+                   double(smoothed->bytes()) / elements.topology.tet_count(), specimen->linear_smoothed);
 }
 
 template <class Real>
@@ -161,6 +171,13 @@ void add_corotational(std::vector<Kernel>& kernels, const SpecimenPointer& speci
   region->follow(elements, everything(elements));
   add_region<Real>(kernels, "corotational", specimen, threads, region, block_bytes<Real>,
                    specimen->corotational);
+  elements.materials[0].element = ElementType::edge_smoothed;
+  const auto smoothed = std::make_shared<SmoothedPatches<Real>>();
+  const RegionEdit edit = everything(elements);
+  smoothed->follow(elements, edit.left, edit.entered, RegionModel::corotational);
+  add_region<Real>(kernels, "corotational_smoothed", specimen, threads, smoothed,
+                   double(smoothed->bytes()) / elements.topology.tet_count(),
+                   specimen->corotational_smoothed);
 }
 
 // A whole step of a World, which moves it by almost nothing. From rest, the force is mass × v / Δt; that on
@@ -212,6 +229,13 @@ double flops_per_tet(const Kernel& kernel) {
   if (kernel.name != "tensor_mass") return 0;
   const double edge = kernel.precision == "single" ? edge_bytes<float> : edge_bytes<double>;
   return flops_tensor_mass_edge() * kernel.bytes_per_tet / edge;
+}
+
+// Those of the solvers [N].
+Mat3X<double> smoothed_forces(Setup setup, RegionModel model, const Mat3X<double>& u) {
+  setup.materials[0].element = ElementType::edge_smoothed;
+  std::fill(setup.region_of.begin(), setup.region_of.end(), model);
+  return energy_and_forces(Elements(setup), u).forces;
 }
 
 }  // namespace
@@ -279,6 +303,10 @@ Specimen::Specimen(std::string mesh_name, const Setup& body) : mesh(std::move(me
   add_reference_nodal_pressure_forces(reference, u, svk_nodal_pressure);
   add_reference_smoothed_forces(reference, u, false, svk_smoothed);
   add_reference_smoothed_forces(reference, u, true, svk_smoothed_pressure);
+  linear_smoothed = smoothed_forces(setup, RegionModel::tensor_mass, u);
+  corotational_smoothed = smoothed_forces(setup, RegionModel::corotational, u);
+  svk_smoothed_volume = svk_smoothed;
+  add_reference_volume_forces(reference, setup.mesh.points + u, volume_penalty, svk_smoothed_volume);
   svk_volume = svk;
   add_reference_volume_forces(reference, setup.mesh.points + u, volume_penalty, svk_volume);
   svk_fibre = svk;

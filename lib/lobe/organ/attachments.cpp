@@ -47,8 +47,6 @@ void Organ<Real>::perform(const Detach& edit) {
 
 template <class Real>
 void Organ<Real>::sever(const SweptVolume& volume) {
-  if (body_.terms.empty()) return;
-  body_.recover_followers();
   for (const auto& term : body_.terms) term->sever(volume, body_.here());
 }
 

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cstdio>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "lobe/diagnostics/fields.h"
 #include "lobe/error.h"
@@ -73,7 +74,10 @@ RunResult solve_scene(const Scene& scene, const Resolved& resolved, const RunOpt
   if (solution.converged && solution.buckling > 0)
     result.warnings.push_back("the body has buckled at about " + rounded(100 * solution.buckling) +
                               " % of the load: it has other equilibria than this one");
-  if (!scene.tools.empty()) result.warnings.push_back("tools are ignored in a static solution");
+  for (const auto& [any, what] :
+       {std::pair(!scene.tools.empty(), "tools"), std::pair(!scene.threads.empty(), "threads"),
+        std::pair(!scene.attachments.empty(), "attachments")})
+    if (any) result.warnings.push_back(std::string(what) + " are ignored in a static solution");
   if (!solution.converged) result.warnings.push_back(solution.reason);
   std::error_code error;
   std::filesystem::create_directories(options.directory, error);

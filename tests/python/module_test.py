@@ -58,9 +58,12 @@ def test_every_class_says_what_it_is(mesh, scene, tip):
     torn = lobe.World(scene)
     torn.set_forces(tip, np.full((len(tip), 3), 1e5))
     conditions = torn.advance(0.01).conditions
+    tied = lobe.World(scene)
+    tied.attach("hair", [(0.09, 0.01, 0.01)], [(0.09, 0.01, 0.02)], stiffness=1, strength=1e-9, to_world=True)
+    events = tied.advance(0.05).events
     instances = [world, grasp, cautery, scalpel, probe, report, report.transitions, moment, moment.surface, static,
                  lobe.compare(mesh, static.u, static.u), proposal, proposal.gestures[0], mesh, scene, world.save(),
-                 *conditions[:1]]
+                 *conditions[:1], *events[:1]]
     assert {type(instance).__name__ for instance in instances} == set(CLASSES)
     for instance in instances:
         text = repr(instance)

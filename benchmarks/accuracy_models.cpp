@@ -67,7 +67,7 @@ void add_trial_hybrids(const Setup& setup, std::vector<Model>& models, std::vect
 
 void add_reduced(const Setup& nonlinear, std::vector<Model>& models, std::vector<std::string>& warnings) {
   try {
-    refuse_excluded(Option::reduced, options_of(nonlinear), "the scene");
+    refuse_excluded(option_of(RegionModel::reduced), options_of(nonlinear), "the scene");
     for (bool is_corrected : {false, true})
       models.push_back({is_corrected ? "reduced_corrected" : "reduced", all(nonlinear, RegionModel::reduced),
                         0, is_corrected});

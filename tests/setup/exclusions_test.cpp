@@ -15,25 +15,17 @@ namespace {
 
 // A setup that asks for an option; what a setup cannot say stays as it is.
 void ask_for(Setup& setup, Option option) {
-  const auto half = setup.region_of.size() / 2;
+  const auto make_half = [&](RegionModel model) {
+    std::fill_n(setup.region_of.begin(), setup.region_of.size() / 2, model);
+  };
+  if (std::size_t(option) < region_model_names.size()) return make_half(RegionModel(option));
   switch (option) {
     case Option::corotated:
       setup.precomputed_frame = RegionFrame::corotated;
-      [[fallthrough]];
-    case Option::precomputed:
-      std::fill_n(setup.region_of.begin(), half, RegionModel::precomputed);
-      break;
-    case Option::tensor_mass:
-      std::fill_n(setup.region_of.begin(), half, RegionModel::tensor_mass);
-      break;
-    case Option::corotational:
-      std::fill_n(setup.region_of.begin(), half, RegionModel::corotational);
+      make_half(RegionModel::precomputed);
       break;
     case Option::expandable:
       setup.expandable = true;
-      break;
-    case Option::reduced:
-      std::fill_n(setup.region_of.begin(), half, RegionModel::reduced);
       break;
     case Option::fibres:
       setup.materials.push_back(Elastic{});
@@ -97,8 +89,9 @@ std::string fault_of(Option a, Option b) {
 }
 
 bool is_excluded(Option a, Option b) {
-  if (a == Option::corotated && is_excluded(Option::precomputed, b)) return true;  // it is of such a region
-  if (b == Option::corotated && is_excluded(a, Option::precomputed)) return true;
+  constexpr Option precomputed = option_of(RegionModel::precomputed);
+  if (a == Option::corotated && is_excluded(precomputed, b)) return true;  // it is of such a region
+  if (b == Option::corotated && is_excluded(a, precomputed)) return true;
   for (const Exclusion& exclusion : exclusions())
     if ((exclusion.option == a && exclusion.other == b) || (exclusion.option == b && exclusion.other == a))
       return true;
@@ -130,8 +123,7 @@ TEST_CASE("options of one material are refused together by name, and accepted in
     ask_for(setup, exclusion.other);
     REQUIRE(setup.materials.size() == 2);
     setup.materials[1].law = setup.materials[0].law;
-    const std::string fault =
-        std::string(name(exclusion.option)) + " does not go with " + name(exclusion.other);
+    const std::string fault = name(exclusion.option) + " does not go with " + name(exclusion.other);
     CHECK_THROWS_WITH_AS(World<double>{setup}, doctest::Contains(fault.c_str()), InputError);
   }
 }

@@ -13,7 +13,7 @@ namespace lobe {
 template <class Real>
 void Organ<Real>::perform(const SetRegion& command) {
   check_tets(command.tets);
-  if (const auto option = option_of(command.model)) refuse_excluded(*option, options_of(setup_), "region");
+  refuse_excluded(option_of(command.model), options_of(setup_), "region");
   body_.regions.refuse(command.model, command.tets, body_.model, setup_.lattice_cell);
   std::vector<Index> tets = command.tets;
   sort_unique(tets);

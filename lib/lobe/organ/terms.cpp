@@ -120,7 +120,7 @@ double Organ<Real>::softening() {
   if (known > 0) return known;
   const Setup setup = initial_setup();
   Inertia<Real> inertia(setup);
-  const bool is_measured = setup.expandable || !options_of(setup).has(Option::precomputed);
+  const bool is_measured = setup.expandable || !options_of(setup).has(option_of(RegionModel::precomputed));
   known = find_softening(setup, std::move(inertia), degree, limit_.of_whole_at_rest(degree, is_measured),
                          body_.parallel);
   return known;

@@ -70,7 +70,7 @@ bool play(World<Real>& world, const Scene& scene, const Resolved& resolved, cons
 template <class Real>
 void add_parts_in_use(Json& report, const World<Real>& world, const Scene& scene, const Resolved& resolved,
                       const Totals& totals) {
-  const bool is_reduced = options_of(resolved.setup).has(Option::reduced);
+  const bool is_reduced = options_of(resolved.setup).has(option_of(RegionModel::reduced));
   if (resolved.proposal && !scene.corrects_masses() && !is_reduced)
     report["auto_regions"] = proposal_json(*resolved.proposal);
   if (world.grains())

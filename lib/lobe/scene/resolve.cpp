@@ -209,7 +209,7 @@ namespace {
 void let_regions_expand(Setup& setup) {
   const Options used = options_of(setup);
   if (!used.has(Option::corotated) && !used.has(Option::nodal_pressure))
-    setup.expandable = setup.expandable || used.has(Option::precomputed);
+    setup.expandable = setup.expandable || used.has(option_of(RegionModel::precomputed));
 }
 
 }  // namespace

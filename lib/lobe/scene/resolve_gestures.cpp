@@ -54,7 +54,7 @@ bool reduce_automatic(Resolution& resolution) {
   trial.region_of.assign(trial.region_of.size(), RegionModel::reduced);
   trial.selective_mass = 1;
   try {
-    refuse_excluded(Option::reduced, options_of(trial), "");
+    refuse_excluded(option_of(RegionModel::reduced), options_of(trial), "");
     const Elements elements(trial);
     const double edge = choose_lattice(elements, 0).edge,
                  in_a_cell = double(trial.region_of.size()) * edge * edge * edge / total_volume(trial.mesh);

@@ -42,13 +42,10 @@ std::vector<std::string> places_of_force_terms(const Scene& scene) {
 // Where a scene asks for an option; nowhere if it does not.
 std::vector<std::string> places_of(const Scene& scene, Option option) {
   const Time& time = scene.time;
+  if (std::size_t(option) < region_model_names.size())
+    return places_in(scene.regions, "/regions", "model",
+                     [&](const Region& region) { return option_of(region.model) == option; });
   switch (option) {
-    case Option::tensor_mass:
-    case Option::precomputed:
-    case Option::reduced:
-    case Option::corotational:
-      return places_in(scene.regions, "/regions", "model",
-                       [&](const Region& region) { return option_of(region.model) == option; });
     case Option::fibres:
       return places_in(scene.materials, "/materials", "fibre",
                        [](const Material& material) { return material.transverse.has_value(); });

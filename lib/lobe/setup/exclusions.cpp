@@ -2,14 +2,15 @@
 
 #include <algorithm>
 
-#include "lobe/setup/exclusions.h"
-
 namespace lobe {
 namespace {
 
+constexpr Option precomputed = option_of(RegionModel::precomputed);
+constexpr Option reduced = option_of(RegionModel::reduced);
+constexpr Option corotational = option_of(RegionModel::corotational);
+
 constexpr Exclusion table[] = {
-    {Option::precomputed, Option::implicit, "an implicit step solves for every vertex",
-     "use \"tensor-mass\""},
+    {precomputed, Option::implicit, "an implicit step solves for every vertex", "use \"tensor-mass\""},
     {Option::automatic, Option::implicit, "an implicit step gains nothing from linear regions",
      "leave one of them out"},
     {Option::sleep, Option::implicit, "an implicit step solves for every vertex", "leave it out"},
@@ -21,11 +22,11 @@ constexpr Exclusion table[] = {
      "use \"direct\""},
     {Option::edge_smoothed, Option::stored, "the stored polynomial is of each tetrahedron alone",
      "use \"direct\""},
-    {Option::corotational, Option::fibres, "its energy is that of a material alike in all directions",
+    {corotational, Option::fibres, "its energy is that of a material alike in all directions",
      "use \"nonlinear\""},
-    {Option::partly_held, Option::precomputed, "a precomputed region knows wholly held vertices only",
+    {Option::partly_held, precomputed, "a precomputed region knows wholly held vertices only",
      "use \"tensor-mass\" or \"nonlinear\""},
-    {Option::partly_held, Option::reduced, "nodes of its lattice know wholly held vertices only",
+    {Option::partly_held, reduced, "nodes of its lattice know wholly held vertices only",
      "use \"nonlinear\""},
     {Option::partly_held, Option::automatic, "estimated errors are of wholly held vertices",
      "leave one of them out"},
@@ -43,13 +44,11 @@ constexpr Exclusion table[] = {
     {Option::expandable, Option::corotated, "an expanded region has no frame", "use a fixed frame"},
     {Option::expandable, Option::nodal_pressure, "the region is condensed without it",
      "leave one of them out"},
-    {Option::reduced, Option::implicit, "an implicit step solves for every vertex", "use \"nonlinear\""},
-    {Option::reduced, Option::sleep, "nodes of its lattice do not sleep", "leave one of them out"},
-    {Option::reduced, Option::selective_mass, "selective masses couple vertices, not nodes",
-     "leave one of them out"},
-    {Option::reduced, Option::nodal_pressure, "a cell of the lattice has no nodal pressure",
-     "leave one of them out"},
-    {Option::reduced, Option::fibres, "a cell has no direction of fibres", "use \"nonlinear\""},
+    {reduced, Option::implicit, "an implicit step solves for every vertex", "use \"nonlinear\""},
+    {reduced, Option::sleep, "nodes of its lattice do not sleep", "leave one of them out"},
+    {reduced, Option::selective_mass, "selective masses couple vertices, not nodes", "leave one of them out"},
+    {reduced, Option::nodal_pressure, "a cell of the lattice has no nodal pressure", "leave one of them out"},
+    {reduced, Option::fibres, "a cell has no direction of fibres", "use \"nonlinear\""},
     {Option::static_solution, Option::corotated, "an equilibrium has no motion that a frame could follow",
      "use \"nonlinear\" or a fixed frame"},
 };
@@ -60,26 +59,20 @@ constexpr Exclusion table_of_material[] = {
 };
 
 Fault fault_of(const Exclusion& exclusion, const std::string& place) {
-  return {place, std::string(name(exclusion.option)) + " does not go with " + name(exclusion.other) + ": " +
+  return {place, name(exclusion.option) + " does not go with " + name(exclusion.other) + ": " +
                      exclusion.reason + "; " + exclusion.remedy};
 }
 
 }  // namespace
 
-const char* name(Option option) {
+std::string name(Option option) {
+  if (const auto model = std::size_t(option); model < region_model_names.size())
+    return "\"model\": \"" + std::string(region_model_names[model]) + "\"";
   switch (option) {
-    case Option::tensor_mass:
-      return "\"model\": \"tensor-mass\"";
-    case Option::corotational:
-      return "\"model\": \"corotational\"";
-    case Option::precomputed:
-      return "\"model\": \"precomputed\"";
     case Option::corotated:
       return "\"frame\": \"corotated\"";
     case Option::expandable:
       return "an expandable region";
-    case Option::reduced:
-      return "\"model\": \"reduced\"";
     case Option::automatic:
       return "\"regions\": {\"auto\": …}";
     case Option::nodal_pressure:
@@ -119,20 +112,10 @@ bool any_partly_held(const Setup& setup) {
                      [](const GraspSetup& grasp) { return grasp.any_partly(); });
 }
 
-std::optional<Option> option_of(RegionModel model) {
-  if (model == RegionModel::tensor_mass) return Option::tensor_mass;
-  if (model == RegionModel::precomputed) return Option::precomputed;
-  if (model == RegionModel::reduced) return Option::reduced;
-  if (model == RegionModel::corotational) return Option::corotational;
-  return std::nullopt;
-}
-
 Options options_of(const Setup& setup) {
   Options used;
-  for (const RegionModel model : setup.region_of)
-    if (const auto option = option_of(model)) used.add(*option);
-  used.add(Option::corotated,
-           used.has(Option::precomputed) && setup.precomputed_frame == RegionFrame::corotated);
+  for (const RegionModel model : setup.region_of) used.add(option_of(model));
+  used.add(Option::corotated, used.has(precomputed) && setup.precomputed_frame == RegionFrame::corotated);
   used.add(Option::expandable, setup.expandable);
   used.add(Option::nodal_pressure, any_nodal_pressure(setup.materials));
   used.add(Option::edge_smoothed, any_smoothed(setup.materials));

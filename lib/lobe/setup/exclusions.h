@@ -7,7 +7,6 @@
 #include <cstdint>
 #include <functional>
 #include <initializer_list>
-#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -17,12 +16,11 @@
 
 namespace lobe {
 
+// The models of regions come first, by their numbers: option_of().
 enum class Option : std::uint8_t {
-  precomputed,
-  corotated,
+  corotated = region_model_names.size(),
   expandable,  // Setup::expandable
-  reduced,
-  automatic,  // regions that are chosen by their estimated error
+  automatic,   // regions that are chosen by their estimated error
   nodal_pressure,
   other_law,  // than St Venant-Kirchhoff
   fibres,
@@ -33,13 +31,12 @@ enum class Option : std::uint8_t {
   implicit,
   single_precision,
   static_solution,
-  tensor_mass,
-  corotational,
   edge_smoothed,
   partly_held  // Setup::partly_held, GraspSetup::shares
 };
 inline constexpr std::size_t option_count = std::size_t(Option::partly_held) + 1;
-const char* name(Option option);  // as a scene says it: "model": "precomputed"
+constexpr Option option_of(RegionModel model) { return Option(int(model)); }  // that its tetrahedra use
+std::string name(Option option);  // as a scene says it: "model": "precomputed"
 
 class Options {  // a set of them
  public:
@@ -71,7 +68,6 @@ std::span<const Exclusion> material_exclusions();
 
 bool any_partly_held(const Setup& setup);  // by the boundary or a grasp
 Options options_of(const Setup& setup);
-std::optional<Option> option_of(RegionModel model);  // which tetrahedra of this model use
 
 // Returns a fault for each exclusion of which both options are used, and for each place of the first one.
 using PlacesOf = std::function<std::vector<std::string>(Option)>;

@@ -1,8 +1,10 @@
-"""Refuses an include from a chapter of lib/lobe to one on a floor above it: floors.py PROJECT
+"""Refuses an include from a chapter of lib/lobe to one on a floor above it, and names of kinds of regions in the
+chapters that play time: floors.py PROJECT
 
 The floors are the list `chapters` in lib/lobe/CMakeLists.txt, from the lowest up; folders that it does not have
 hold headers alone and stand where what they include lets them. `base` is lib/lobe itself, without lobe.h.
-docs/guide/develop.md, where it is there, shows the same list.
+docs/guide/develop.md, where it is there, shows the same list. Kinds of regions may be named in comments of `sim` and
+`time` alone: what these do with a region is what they do with any.
 """
 import pathlib
 import re
@@ -34,6 +36,21 @@ def upward(library):
     return found
 
 
+KINDS = re.compile(r"RegionModel::|[A-Z]\w+Region\b|"
+                   r"(?i:tensor_?mass|precomputed|reduced|corotat|condens|expan[ds]|lattice|embed)")
+
+
+def named_kinds(library):
+    """Lines of the chapters that play time which name a kind of region outside of a comment."""
+    found = []
+    for file in sorted(p for chapter in ("sim", "time") for p in (library / chapter).glob("*.[hc]*")):
+        for number, line in enumerate(file.read_text(encoding="utf-8").splitlines(), 1):
+            kind = KINDS.search(line.split("//")[0])
+            if kind:
+                found.append(f"{file.relative_to(library)}:{number}: names a kind of region, {kind[0]}")
+    return found
+
+
 def outdated(project):
     """A line if the page shows another list."""
     page = project / "docs" / "guide" / "develop.md"
@@ -45,5 +62,6 @@ def outdated(project):
 
 if __name__ == "__main__":
     root = pathlib.Path(sys.argv[1])
-    faults = upward(root / "lib" / "lobe") + outdated(root)
+    library = root / "lib" / "lobe"
+    faults = upward(library) + named_kinds(library) + outdated(root)
     sys.exit("\n".join(faults) or 0)

@@ -16,11 +16,10 @@ struct Revisions {
   std::uint64_t inertia = 0;    // masses, and which components move by themselves
   std::uint64_t displacements = 0;  // by steps, or given
   std::uint64_t velocities = 0;
-  std::uint64_t jumps = 0;      // of vertices, of which no step says how far they came
-  std::uint64_t replaced = 0;   // a state that did not come from a step
-  std::uint64_t restored = 0;   // put back to what it was before some edits
-  std::uint64_t condensed = 0;  // the stiffness of condensed regions
-  std::uint64_t terms = 0;      // which force terms there are, what they act on, which tools they see
+  std::uint64_t jumps = 0;     // of vertices, of which no step says how far they came
+  std::uint64_t replaced = 0;  // a state that did not come from a step
+  std::uint64_t restored = 0;  // put back to what it was before some edits
+  std::uint64_t terms = 0;     // which force terms there are, what they act on, which tools they see
   bool operator==(const Revisions&) const = default;
 };
 
@@ -33,7 +32,6 @@ inline Revisions newer_than_both(const Revisions& a, const Revisions& b) {
           std::max(a.jumps, b.jumps) + 1,
           std::max(a.replaced, b.replaced) + 1,
           std::max(a.restored, b.restored) + 1,
-          std::max(a.condensed, b.condensed) + 1,
           std::max(a.terms, b.terms) + 1};
 }
 

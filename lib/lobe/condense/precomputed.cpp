@@ -18,6 +18,7 @@ Mat3X<double> displacements_of(const Mat3X<Real>& u, const Vertices& vertices) {
 template <class Real>
 void PrecomputedRegion<Real>::add_forces(const Mat3X<Real>& u, Real missing_share, Mat3X<Real>& f,
                                          Parallel& parallel) {
+  if (is_expanded_) return;
   if (has_frame_) return add_forces_in_frame(u, missing_share, f, parallel);
   add_stiffness_forces(u, f, parallel);
   for (Index i = 0; i < interface_size(); ++i)
@@ -26,6 +27,7 @@ void PrecomputedRegion<Real>::add_forces(const Mat3X<Real>& u, Real missing_shar
 
 template <class Real>
 void PrecomputedRegion<Real>::add_stiffness_forces(const Mat3X<Real>& u, Mat3X<Real>& f, Parallel& parallel) {
+  if (is_expanded_) return;
   const Index n = interface_size();
   for (Index i = 0; i < n; ++i) stiffness_.x()[i] = u.data()[components_[i]];
   const std::vector<Real>& product = stiffness_.multiply(parallel);
@@ -34,6 +36,7 @@ void PrecomputedRegion<Real>::add_stiffness_forces(const Mat3X<Real>& u, Mat3X<R
 
 template <class Real>
 void PrecomputedRegion<Real>::add_diagonal_stiffness(const Mat3X<Real>& u, DiagonalStiffness& K) const {
+  if (is_expanded_) return;
   Pose pose;
   if (has_frame_) place(u, pose);
   for (Index v : has_frame_ ? vertices_ : shared_) {
@@ -51,6 +54,7 @@ void PrecomputedRegion<Real>::add_diagonal_stiffness(const Mat3X<Real>& u, Diago
 
 template <class Real>
 void PrecomputedRegion<Real>::find_carried(const Elements& elements) {
+  if (is_expanded_) return;
   carried_.assign(std::size_t(roles_.cols()), 0);
   if (tet_count_ == 0) return;
   const Eigen::VectorXd& follows =
@@ -75,6 +79,7 @@ std::vector<Index> PrecomputedRegion<Real>::take_over(const Elements& elements,
                                                       std::vector<double>& mass, Mat3X<Real>& external,
                                                       Mat3X<Real>& dead) const {
   std::vector<Index> taken;
+  if (tet_count_ == 0 || is_expanded_) return taken;
   for (Index v : vertices) {
     const bool is_inside = is_interior(v);
     if (!is_inside && !std::binary_search(shared_.begin(), shared_.end(), v)) continue;
@@ -94,7 +99,7 @@ double PrecomputedRegion<Real>::inertia_error(const Vec3d& acceleration) const {
 template <class Real>
 void PrecomputedRegion<Real>::recover(const Elements& elements, Real missing_share, Mat3X<Real>& u,
                                       Mat3X<Real>* v) const {
-  if (tet_count_ == 0) return;
+  if (tet_count_ == 0 || is_expanded_) return;
   if (has_frame_) return recover_in_frame(elements, missing_share, u, v);
   const Index n = interface_size();
   Eigen::MatrixXd driven = Eigen::MatrixXd::Zero(2 + n, v ? 2 : 1);
@@ -115,7 +120,7 @@ template <class Real>
 typename PrecomputedRegion<Real>::Energy PrecomputedRegion<Real>::energy(const Elements& elements,
                                                                          const Mat3X<Real>& u) const {
   Energy e;
-  if (tet_count_ == 0) return e;
+  if (tet_count_ == 0 || is_expanded_) return e;
   Pose pose;
   if (has_frame_) place(u, pose);
   const auto in_frame = [&](const auto& vertices) -> Mat3X<double> {
@@ -136,6 +141,7 @@ template <class Real>
 Vec3d PrecomputedRegion<Real>::force_on_fixed(const Elements& elements, const Mat3X<Real>& u,
                                               Index vertex) const {
   Vec3d force = Vec3d::Zero();
+  if (is_expanded_) return force;
   const auto add = [&](const auto& element, const auto& vertices) {
     const Mat3X<double> f = linearisation_.forces_at(elements, element, displacements_of(u, vertices));
     const auto at = std::find(vertices.begin(), vertices.end(), vertex);

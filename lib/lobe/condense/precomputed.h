@@ -31,12 +31,15 @@ class PrecomputedRegion {
   //   through the interface.
   // - Returns tetrahedra that have become a mechanism and must leave the region.
   // - Throws InputError if the region cannot be condensed. This happens only if tetrahedra enter it.
-  // - While the region is expanded it may be followed lazily. Then it is outdated until it is relinearised.
+  // - While the region is expanded it follows lazily: it is outdated until it is relinearised.
   // - If edits have become inexact, the region is condensed at once. This waits for what another thread
   //   condenses.
   std::vector<Index> follow(const Elements& elements, const HeldVertices& held, const RegionEdit& edit,
-                            Mat3X<Real>& external, Mat3X<Real>& dead, bool lazily = false);
+                            Mat3X<Real>& external, Mat3X<Real>& dead);
   bool is_outdated() const { return is_outdated_; }
+  // While it is expanded it has no part in the motion: its tetrahedra are non-linear (expanded.h).
+  void set_expanded(bool is_expanded) { is_expanded_ = is_expanded; }
+  bool is_expanded() const { return is_expanded_; }
   // Throws InputError if the region of these elements would have too large an interface.
   static void refuse_large(const Elements& elements, const HeldVertices& held);
 
@@ -53,7 +56,7 @@ class PrecomputedRegion {
   }
   // Waits for the other thread and uses its result. Condensing from scratch changes nothing but rounding.
   // False if there is no result, because the tangent at the new state is not positive definite, or the region
-  // was followed lazily meanwhile. Nothing changes then.
+  // followed lazily meanwhile. Nothing changes then.
   bool end_condensing(const Elements& elements);
 
   bool has_changed() const { return has_changed_; }  // by the last edit that was followed
@@ -77,7 +80,8 @@ class PrecomputedRegion {
   // when end_condensing() has used a result.
   void find_carried(const Elements& elements);
   double carried(Index vertex) const {
-    return vertex < static_cast<Index>(carried_.size()) ? carried_[std::size_t(vertex)] : 0;
+    const bool is_known = !is_expanded_ && tet_count_ > 0 && vertex < static_cast<Index>(carried_.size());
+    return is_known ? carried_[std::size_t(vertex)] : 0;
   }
   // After masses and loads of these vertices were computed from tetrahedra: moves masses of the interior to
   // the interface, and takes over its loads. Returns those of the vertices that belong to the region. Masses
@@ -94,7 +98,7 @@ class PrecomputedRegion {
   void add_diagonal_stiffness(const Mat3X<Real>& u, DiagonalStiffness& K) const;
 
   // Computes displacements of the interior, and velocities if v is not null, from those of the interface.
-  // Each costs a solution with the factor.
+  // Each costs a solution with the factor. Changes nothing while the region is expanded.
   void recover(const Elements& elements, Real missing_share, Mat3X<Real>& u, Mat3X<Real>* v) const;
 
   // Energies at recovered displacements:
@@ -156,6 +160,7 @@ class PrecomputedRegion {
   SmoothedEdges domains_;
   Roles roles_;  // 3 × #vertices
   Loads loads_;  // of the interior, 3 × #vertices [N]
+  bool is_expanded_ = false;
   bool has_changed_ = false;
   bool is_outdated_ = false, recondensed_is_outdated_ = false;
   Linearisation linearisation_;

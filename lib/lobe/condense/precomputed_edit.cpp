@@ -132,7 +132,7 @@ void PrecomputedRegion<Real>::refuse_large(const Elements& elements, const HeldV
 template <class Real>
 std::vector<Index> PrecomputedRegion<Real>::follow(const Elements& elements, const HeldVertices& held,
                                                    const RegionEdit& edit, Mat3X<Real>& external,
-                                                   Mat3X<Real>& dead, bool lazily) {
+                                                   Mat3X<Real>& dead) {
   const auto enters = [&](Index t) { return elements.is_in(RegionModel::precomputed, t); };
   has_changed_ = false;
   if (tet_count_ == 0 && std::none_of(edit.entered.begin(), edit.entered.end(), enters)) return {};
@@ -156,7 +156,7 @@ std::vector<Index> PrecomputedRegion<Real>::follow(const Elements& elements, con
     change_members(elements, edit);
     take_loads(edit.vertices, external, dead);
     build(elements);
-  } else if (lazily) {
+  } else if (is_expanded_) {
     change_members(elements, edit);
     take_loads(edit.vertices, external, dead);
     is_outdated_ = recondensed_is_outdated_ = true;

@@ -4,20 +4,29 @@
 #include "lobe/numerics/supernodal_factor.h"
 
 namespace lobe {
+namespace {
 
 template <class Real>
-Regions<Real>::Regions(const Setup& setup, const CondensingLog::Progress& condensing)
-    : free_(free_regions<Real>(setup.evaluator)),
-      expanded_(setup.evaluator),
-      precomputed_(CondensingLog(condensing), make_supernodal),
-      reduced_(setup.lattice_cell, setup.evaluator),
-      expandable_(setup.expandable) {}
+RegionList<Real> region_list(const Setup& setup, const CondensingLog::Progress& progress) {
+  return {PrecomputedRegion<Real>(CondensingLog(progress), make_supernodal),
+          TensorMassRegion<Real>(),
+          NonlinearRegion<Real>(setup.evaluator),
+          CorotationalRegion<Real>(),
+          LatticeRegion<Real>(setup.lattice_cell, setup.evaluator),
+          ExpandedRegion<Real>(setup.expandable, setup.evaluator)};
+}
+
+}  // namespace
+
+template <class Real>
+Regions<Real>::Regions(const Setup& setup, const Progress& progress)
+    : list_(region_list<Real>(setup, progress)), expandable_(setup.expandable) {}
 
 template <class Real>
 void Regions<Real>::refuse(RegionModel model, const std::vector<Index>& tets, const Model& body,
                            double lattice_cell) const {
   const bool is_precomputed = model == RegionModel::precomputed;
-  const bool needs_lattice = model == RegionModel::reduced && !(reduced_.lattice().frame.edge > 0);
+  const bool needs_lattice = model == RegionModel::reduced && !(reduced().lattice().frame.edge > 0);
   if (!is_precomputed && !needs_lattice) return;
   Elements changed = body.elements;
   for (Index t : tets) changed.region_of[std::size_t(t)] = model;
@@ -31,111 +40,92 @@ void Regions<Real>::refuse(RegionModel model, const std::vector<Index>& tets, co
 
 template <class Real>
 void Regions<Real>::follow(const Elements& elements, const RegionEdit& edit) {
-  for_free([&](auto& region) { region.follow(elements, edit); });
-  reduced_.follow(elements, edit);
-  if (expandable_) expanded_.follow(elements, edit, RegionModel::precomputed);
+  visit_regions(
+      list_, [&](auto& region) -> decltype(region.follow(elements, edit)) { region.follow(elements, edit); });
+}
+
+template <class Real>
+void Regions<Real>::set_expanded(bool is_expanded) {
+  visit_regions(list_, [&](auto& region) -> decltype(region.set_expanded(is_expanded)) {
+    region.set_expanded(is_expanded);
+  });
+}
+
+template <class Real>
+void Regions<Real>::mark_without_patches(const Elements& elements, std::vector<std::uint8_t>& flags) const {
+  if (!any_condensed()) return;
+  for (Index t = 0; t < elements.topology.tet_count(); ++t)
+    if (is_condensed(t))
+      for (Index v : elements.topology.corners(t)) flags[std::size_t(v)] = 1;
 }
 
 template <class Real>
 std::vector<Index> Regions<Real>::follow_condensed(const Model& model, const RegionEdit& edit,
                                                    Loads<Real>& loads) {
-  return precomputed_.follow(model.elements, model.held, edit, loads.external(), loads.dead(), is_expanded_);
+  return precomputed().follow(model.elements, model.held, edit, loads.external(), loads.dead());
 }
 
 template <class Real>
 std::vector<Index> Regions<Real>::condensed_vertices(Index vertices) const {
-  std::vector<Index> found = precomputed_.shared();
+  std::vector<Index> found = precomputed().shared();
   for (Index v = 0; v < vertices; ++v)
-    if (precomputed_.is_interior(v)) found.push_back(v);
+    if (precomputed().is_interior(v)) found.push_back(v);
   return found;
 }
 
 template <class Real>
 void Regions<Real>::begin_condensing(const Elements& elements, double due, const std::vector<double>& about) {
   if (about.empty())
-    precomputed_.begin_condensing(elements);
+    precomputed().begin_condensing(elements);
   else
-    precomputed_.begin_relinearising(
+    precomputed().begin_relinearising(
         elements, Eigen::Map<const Mat3X<double>>(about.data(), 3, Eigen::Index(about.size() / 3)));
   condensing_due_ = due;
 }
 
 template <class Real>
-std::optional<VertexRoles> Regions<Real>::new_roles(const Model& model, const Motion<Real>& motion,
-                                                    const std::vector<double>& mass, FullZones::Sight sight,
-                                                    bool may_embed) {
-  reduced_.look(model.elements, motion, mass, std::move(sight));
-  VertexRoles roles = reduced_.roles(model, motion.time, may_embed);
-  return reduced_.has_roles(roles) ? std::nullopt : std::optional(std::move(roles));
-}
-
-template <class Real>
-VertexRoles Regions<Real>::begin_restoring(const Model& model, const State& state,
-                                           std::vector<Index>& weighed) {
-  reduced_.set_zones(state.zones);
-  reduced_.holds_have_changed();
-  weighed = reduced_.set_asked_mass(state.asked_mass);
-  return reduced_.roles(model, state.is_embedded);
-}
-
-template <class Real>
-void Regions<Real>::end_restoring(const Elements& elements, const State& state, Motion<Real>& motion) {
-  motion.nodes.u = state.u;
-  motion.nodes.v = state.v;
-  reduced_.set_fading(elements, state.fading);
-}
-
-template <class Real>
-void Regions<Real>::add_free_forces(const Mat3X<Real>& u, Mat3X<Real>& f, Parallel& parallel) {
-  for_free([&](auto& region) { region.add_forces(u, f, parallel); });
-  reduced_.add_full_forces(u, f, parallel);
-  if (is_expanded_) expanded_.add_forces(u, f, parallel);
+void Regions<Real>::add_forces_of_tets(const Mat3X<Real>& u, Mat3X<Real>& f, Parallel& parallel) {
+  visit_regions(list_, [&](auto& region) -> decltype(region.add_forces(u, f, parallel)) {
+    region.add_forces(u, f, parallel);
+  });
 }
 
 template <class Real>
 void Regions<Real>::add_forces(const Mat3X<Real>& u, double missing_share, Mat3X<Real>& f,
                                Parallel& parallel) {
-  if (!is_expanded_) precomputed_.add_forces(u, Real(missing_share), f, parallel);
-  add_free_forces(u, f, parallel);
+  precomputed().add_forces(u, Real(missing_share), f, parallel);
+  add_forces_of_tets(u, f, parallel);
 }
 
 template <class Real>
 void Regions<Real>::add_forces_near_rest(const Mat3X<Real>& u, Mat3X<Real>& f, Parallel& parallel) {
-  add_free_forces(u, f, parallel);
-  if (!is_expanded_) precomputed_.add_stiffness_forces(u, f, parallel);
+  add_forces_of_tets(u, f, parallel);
+  precomputed().add_stiffness_forces(u, f, parallel);
 }
 
 template <class Real>
 void Regions<Real>::add_tet_forces_near_rest(const Mat3X<Real>& u, Mat3X<Real>& f, Parallel& parallel) {
-  for_free([&](auto& region) { region.add_forces(u, f, parallel); });
-  reduced_.add_tet_forces(u, f, parallel);
-  if (is_expanded_)
-    expanded_.add_forces(u, f, parallel);
-  else
-    precomputed_.add_stiffness_forces(u, f, parallel);
+  visit_regions(list_, [&]<FreeRegion<Real> Region>(Region& region) { region.add_forces(u, f, parallel); });
+  reduced().add_tet_forces(u, f, parallel);
+  precomputed().add_stiffness_forces(u, f, parallel);
 }
 
 template <class Real>
 void Regions<Real>::add_forces_near(const Mat3X<Real>& u, double missing_share, Mat3X<Real>& f,
                                     Parallel& parallel) {
-  add_free_forces(u, f, parallel);
-  if (!is_expanded_) precomputed_.add_forces(u, Real(missing_share), f, parallel);
+  add_forces_of_tets(u, f, parallel);
+  precomputed().add_forces(u, Real(missing_share), f, parallel);
 }
 
 template <class Real>
 SmallestVolumeRatio Regions<Real>::add_diagonal_stiffness(const Mat3X<Real>& u, DiagonalStiffness& K,
                                                           Parallel& parallel) {
   SmallestVolumeRatio found;
-  const auto add = [&](auto& region) {
+  visit_regions(list_, [&](auto& region) -> decltype(void(region.add_diagonal_stiffness(u, K, parallel))) {
     const SmallestVolumeRatio other = region.add_diagonal_stiffness(u, K, parallel);
     if (other.smallest_volume_ratio < found.smallest_volume_ratio) found = other;
-  };
-  for_free(add);
-  add(reduced_);
-  if (is_expanded_)
-    add(expanded_);
-  else
-    precomputed_.add_diagonal_stiffness(u, K);
+  });
+  precomputed().add_diagonal_stiffness(u, K);
   ++sums_revision_;
   return found;
 }
@@ -144,24 +134,17 @@ template <class Real>
 ElasticEnergy Regions<Real>::energy(const Elements& elements, const StateColumns<Real>& state) {
   const Mat3X<Real>& u = state.u.padded();
   ElasticEnergy e;
-  for_free([&](auto& region) { (is_linear(region.model) ? e.linear : e.nonlinear) += region.energy(u); });
-  if (is_expanded_) {
-    e.nonlinear += expanded_.energy(u);
-  } else {
-    const auto condensed = precomputed_.energy(elements, u);
-    e.condensed_loads = condensed.loads;
-    e.linear += condensed.elastic;
-  }
+  visit_regions(list_, [&]<FreeRegion<Real> Region>(Region& region) {
+    (is_linear(Region::model) ? e.linear : e.nonlinear) += region.energy(u);
+  });
+  const auto condensed = precomputed().energy(elements, u);
+  e.loads = condensed.loads;
+  e.linear += condensed.elastic;
   if (any_reduced()) {
-    e.nonlinear += reduced_.elastic_energy(u, state.nodes);
-    e.condensed_loads += reduced_.energy_of_loads(state.nodes);
+    e.nonlinear += reduced().elastic_energy(u, state.nodes);
+    e.loads += reduced().energy_of_loads(state.nodes);
   }
   return e;
-}
-
-template <class Real>
-Vec3d Regions<Real>::force_on_fixed(const Elements& elements, const Mat3X<Real>& u, Index vertex) const {
-  return is_expanded_ ? Vec3d::Zero() : precomputed_.force_on_fixed(elements, u, vertex);
 }
 
 template <class Real>
@@ -172,17 +155,16 @@ void Regions<Real>::recover(const Model& model, double missing_share, Interior w
                           recovered_at_.displacements == now.displacements &&
                           recovered_at_.velocities == now.velocities;
   if (is_current && recovered_ >= wanted) return;
-  if (!is_expanded_)
-    precomputed_.recover(model.elements, Real(missing_share), state.u.padded(),
-                         wanted == Interior::all ? &state.v.padded() : nullptr);
-  if (reduced_.any_embedded()) reduced_.recover(model.elements, wanted == Interior::all, state);
+  precomputed().recover(model.elements, Real(missing_share), state.u.padded(),
+                        wanted == Interior::all ? &state.v.padded() : nullptr);
+  if (reduced().any_embedded()) reduced().recover(model.elements, wanted == Interior::all, state);
   recovered_ = wanted;
   recovered_at_ = now;
 }
 
 template <class Real>
 PatchCount Regions<Real>::patch_count() {
-  PatchCount sum = reduced_.past_patches();
+  PatchCount sum = reduced().past_patches();
   visit_patches([&](const auto&, const auto& sums) {
     sum.evaluated += sums.count().evaluated;
     sum.skipped += sums.count().skipped;

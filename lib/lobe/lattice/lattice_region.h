@@ -124,7 +124,7 @@ class LatticeRegion {
   // Computes displacements of the embedded corners of full tetrahedra from those of the nodes, and their
   // velocities if asked for.
   void place(bool velocities, Motion<Real>& motion, Parallel& parallel) const;
-  void add_full_forces(const Mat3X<Real>& u, Mat3X<Real>& f, Parallel& parallel) {
+  void add_forces(const Mat3X<Real>& u, Mat3X<Real>& f, Parallel& parallel) {
     full().add_forces(u, f, parallel);
   }
   // Sums the forces on the nodes. `missing`: the share of the dead loads that the ramp has not applied yet.

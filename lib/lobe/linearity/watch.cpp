@@ -209,7 +209,7 @@ double LinearityWatch<Real>::inertia_error_of(const World<Real>& world) const {
     sum += body.inertia.inverse_mass(v) * body.motion.forces.col(v).template cast<double>();
     ++count;
   }
-  return count > 0 ? body.regions.inertia_error(sum / count) : 0;
+  return count > 0 ? body.regions.precomputed().inertia_error(sum / count) : 0;
 }
 
 template <class Real>

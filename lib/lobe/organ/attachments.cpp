@@ -12,16 +12,13 @@ Attachments<Real>& Organ<Real>::attachments() {
 }
 
 template <class Real>
-template <class Change>
-void Organ<Real>::change_attachments(const Change& change) {
+template <class Make>
+void Organ<Real>::change_attachments(const Make& change) {
   Attachments<Real> trial{Setup()};  // throws before anything changes
   for (const auto& term : body_.terms)
     if (term->name() == Attachments<Real>::term_name) trial = static_cast<const Attachments<Real>&>(*term);
   change(trial);
-  const std::vector<Index> before = body_.woken_by_terms();
-  synchronise();
-  change(attachments());
-  terms_have_changed(before);
+  edit_terms({.velocities = true, .followers = true}, [&] { change(attachments()); });
 }
 
 template <class Real>

@@ -27,17 +27,15 @@ void Organ<Real>::perform(const SetRegion& command) {
 
 template <class Real>
 void Organ<Real>::change_region(const std::vector<Index>& tets, RegionModel model) {
-  synchronise();
-  const auto change = [&] {
-    RegionEdit edit = change_of_region(tets, model);
-    if (edit.left.empty()) return;
-    journal_.edits.push_back(SetRegion{edit.left, model});
-    follow(std::move(edit));
-  };
-  if (body_.regions.is_transition(elements(), tets, model))
-    as_transition(change);
-  else
-    change();
+  edit({.velocities = true,
+        .followers = true,
+        .energies = body_.regions.is_transition(elements(), tets, model)},
+       [&] {
+         RegionEdit regions = change_of_region(tets, model);
+         if (regions.left.empty()) return Change{};
+         JournalEntry entry = SetRegion{regions.left, model};
+         return Change{.regions = std::move(regions), .entry = std::move(entry)};
+       });
 }
 
 template <class Real>
@@ -76,12 +74,11 @@ template <class Real>
 void Organ<Real>::end_condensing() {
   if (!body_.regions.is_condensing())  // the region may have been cut away meanwhile
     throw InputError("precomputed region", "condensing has not begun, so it cannot end");
-  synchronise_velocities();
-  const bool is_condensed = body_.regions.end_condensing(elements());
-  find_carried();
-  ++body_.model.revisions.structure;
-  ++body_.model.revisions.condensed;
-  journal_.edits.push_back(EndCondensing{});
+  bool is_condensed = false;
+  edit({.velocities = true}, [&] {
+    is_condensed = body_.regions.precomputed().end_condensing(elements());
+    return Change{.is_condensed_anew = true, .entry = EndCondensing{}};
+  });
   if (is_condensed) forget_former_condensing();
 }
 
@@ -107,6 +104,18 @@ void Organ<Real>::forget_former_condensing() {
 }
 
 template <class Real>
+void Organ<Real>::take_mode(const Organ& other, const std::vector<Index>& vertices) {
+  const Mat3X<double>& former = other.body_.regions.linearised_about();
+  if (former.size() > 0 && body_.regions.can_begin_condensing()) {
+    const Mat3X<double> about = former(Eigen::all, vertices);
+    begin_condensing(
+        {time(), std::make_shared<std::vector<double>>(about.data(), about.data() + about.size())});
+    end_condensing();
+  }
+  other.body_.regions.is_expanded() ? perform(Expand{}) : perform(Condense{});
+}
+
+template <class Real>
 void Organ<Real>::perform(const Relinearise& command) {
   if (!(command.delay > 0))
     throw InputError("region", "the delay until it is relinearised must be above 0 s");
@@ -120,9 +129,8 @@ template <class Real>
 void Organ<Real>::perform(const Expand& command) {
   if (!setup_.expandable) throw InputError("region", "the setup does not say that it may be expanded");
   if (!body_.regions.may_expand()) return;
-  synchronise();
-  set_expanded(true);
-  journal_.edits.push_back(command);
+  edit({.velocities = true, .followers = true},
+       [&] { return Change{.is_expanded = true, .entry = command}; });
 }
 
 template <class Real>
@@ -131,121 +139,14 @@ void Organ<Real>::perform(const Condense& command) {
   if (!body_.regions.can_condense())
     throw InputError("region",
                      "it was edited while it was expanded, and must be relinearised before it is condensed");
-  synchronise_velocities();
-  set_expanded(false);
-  journal_.edits.push_back(command);
-}
-
-template <class Real>
-void Organ<Real>::set_expanded(bool is_expanded) {
-  body_.regions.set_expanded(is_expanded);
-  ++body_.model.revisions.jumps;         // of the interior
-  if (body_.inertia.may_be_selective())  // also around held vertices
-    for (Index t = 0; t < elements().topology.tet_count(); ++t)
-      if (body_.regions.is_condensed(t)) {
-        const Eigen::Vector4i corners = elements().topology.corners(t);
-        body_.inertia.add_edits({corners.begin(), corners.end()});
-      }
-  const std::vector<Index> vertices = body_.regions.condensed_vertices(elements().topology.vertex_count());
-  body_.regions.find_carried(elements());
-  update_vertices(vertices);
-  body_.sleep.wake_all(time());
-  if (!body_.terms.empty()) report_lost_forces(body_.acted_on_by_terms());
-  limit_.restart(body_);
-  ++body_.model.revisions.structure;
+  edit({.velocities = true}, [&] { return Change{.is_expanded = false, .entry = command}; });
 }
 
 // ---- Reduced regions
 
-// Embeds the vertices that are to follow the nodes of the lattice now; those that are held or pressed do not.
-// Before the frequency of the full body is known, no vertex is embedded. True if something has changed.
-template <class Real>
-bool Organ<Real>::embed(const std::vector<Index>& also_pressed) {
-  Regions<Real>& regions = body_.regions;
-  if (!regions.any_roles()) return false;
-  FullZones::Sight sight;
-  sight.damping = body_.damping;
-  sight.pressed = also_pressed;
-  for (const auto& term : body_.terms) {
-    const std::vector<Index> vertices = term->acts_on(body_.model);
-    std::vector<Index>& list = term->needs_body() ? sight.pressed : sight.loaded;
-    list.insert(list.end(), vertices.begin(), vertices.end());
-  }
-  for (const HeldVertices::Held& item : held().all())
-    if (item.holder != HeldVertices::boundary) sight.held.push_back(item.vertex);
-  for (std::vector<Index>* list : {&sight.held, &sight.loaded, &sight.pressed}) sort_unique(*list);
-  std::optional<VertexRoles> roles = regions.new_roles(body_.model, body_.motion, body_.inertia.mass(),
-                                                       std::move(sight), limit_.highest_at_rest() > 0);
-  if (!roles) return false;
-  if (regions.are_up_to_date())
-    as_transition([&] { embed_as(std::move(*roles)); });
-  else  // energies would be those of what an edit has taken, too
-    embed_as(std::move(*roles));
-  return true;
-}
-
-// Sums by what a change changes energies, if it embeds vertices or makes them full. Masses must be those of
-// the state when it begins.
-template <class Real>
-void Organ<Real>::as_transition(const std::function<void()>& change) {
-  if (findings_.in_transition) return change();
-  struct InTransition {
-    explicit InTransition(bool& flag) : is_set(flag) { is_set = true; }
-    ~InTransition() { is_set = false; }
-    bool& is_set;
-  };
-  Transitions& transitions = findings_.transitions;
-  const int count = transitions.count;
-  const Energies before = body_.energies_without_terms();
-  {
-    const InTransition until_changed(findings_.in_transition);
-    change();
-  }
-  if (transitions.count == count) return;
-  const Energies after = body_.energies_without_terms();
-  transitions.kinetic += after.kinetic - before.kinetic;
-  transitions.elastic += after.elastic() - before.elastic();
-  transitions.loads += after.loads - before.loads;
-}
-
-template <class Real>
-void Organ<Real>::embed_as(VertexRoles roles) {
-  body_.recover(Regions<Real>::Interior::all);
-  limit_.forget_nodes();
-  const std::vector<Index> vertices = body_.regions.reduced_vertices();
-  update_masses(vertices);
-  body_.regions.embed(body_.model, std::move(roles), limit_.highest_at_rest(), body_.inertia.masses(),
-                      body_.loads, body_.motion);
-  take_over(vertices);  // last, so that momentum is that of the tetrahedra that leave the lattice
-  update_inverse_masses(vertices);
-  ++findings_.transitions.count;
-  body_.state_has_moved();
-  ++body_.model.revisions.structure;
-  ++body_.model.revisions.jumps;
-}
-
-// Reduced tetrahedra that will be cut, and those near them, become non-linear.
-template <class Real>
-void Organ<Real>::free_ahead(const std::vector<Index>& tets) {
-  const std::vector<Index> found = body_.regions.in_the_way(elements(), tets);
-  if (!found.empty()) change_region(found, RegionModel::nonlinear);
-}
-
-// Returns whether a vertex got mass.
-template <class Real>
-bool Organ<Real>::slow_strained() {
-  const auto square = [&](Index v, double least) {
-    return held().holds(v) ? 0 : limit_.limiting_square(body_, v, least);
-  };
-  const auto slowed = body_.regions.slow_strained(body_.inertia.mass(), square, body_.motion);
-  findings_.transitions.kinetic += slowed.kinetic;
-  if (!slowed.vertices.empty()) update_vertices(slowed.vertices);
-  return !slowed.vertices.empty();
-}
-
 template <class Real>
 void Organ<Real>::perform(const KeepFull& command) {
-  body_.regions.keep_full(elements(), command.vertices, time(), command.duration);
+  body_.regions.reduced().keep_full(elements(), command.vertices, time(), command.duration);
 }
 
 // ---- Inertia
@@ -259,16 +160,8 @@ void Organ<Real>::perform(const SetMassDegree& command) {
 
 template <class Real>
 void Organ<Real>::use_mass_degree(int degree) {
-  const int before = body_.inertia.degree_now();
-  if (degree == before) return;
-  synchronise_velocities();
-  body_.inertia.use(degree);
-  if (degree > before) {
-    body_.prepare_inertia();
-    body_.inertia.slow_short_waves(body_.parallel, body_.motion);
-  }
-  limit_.restart_for_degree(body_);
-  ++body_.model.revisions.velocities;
+  if (degree == body_.inertia.degree_now()) return;
+  edit({.velocities = true}, [&] { return Change{.mass_degree = degree}; });
 }
 
 }  // namespace lobe

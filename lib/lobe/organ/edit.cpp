@@ -1,53 +1,15 @@
-// Cuts of an Organ, and how its parts follow an edit around what changed.
+// Cuts of an Organ, and the body that is left as a setup.
 #include <algorithm>
 #include <cmath>
 
-#include "lobe/assert.h"
-#include "lobe/condense/supports.h"
 #include "lobe/error.h"
 #include "lobe/forces/pressure.h"
 #include "lobe/forces/threads.h"
 #include "lobe/organ/hinges.h"
 #include "lobe/organ/organ.h"
-#include "lobe/sort_unique.h"
 
 namespace lobe {
 namespace {
-
-// What a cut means for the regions: the tetrahedra that went, have a copied vertex or another share, and all
-// vertices of these, old and new.
-RegionEdit region_edit_of(const MeshEdit& cut, const Topology& topology, Index vertices_before) {
-  RegionEdit edit;
-  edit.left = cut.removed;
-  for (const VertexSplit& split : cut.splits) {
-    edit.entered.insert(edit.entered.end(), split.tets.begin(), split.tets.end());
-    edit.vertices.push_back(split.vertex);
-    edit.copied.emplace_back(split.vertex, split.copy);
-  }
-  for (const TetShare& tet_share : cut.shares) edit.entered.push_back(tet_share.tet);
-  for (Index v = vertices_before; v < topology.vertex_count(); ++v) edit.vertices.push_back(v);
-  sort_unique(edit.entered);
-  edit.left.insert(edit.left.end(), edit.entered.begin(), edit.entered.end());
-  std::vector<bool> is_listed(std::size_t(topology.vertex_count()), false);
-  for (Index v : edit.vertices) is_listed[std::size_t(v)] = true;
-  for (Index t : edit.left)
-    for (Index v : topology.corners(t)) {
-      if (!is_listed[std::size_t(v)]) edit.vertices.push_back(v);
-      is_listed[std::size_t(v)] = true;
-    }
-  sort_unique(edit.vertices);
-  return edit;
-}
-
-// The present shares of tetrahedra that get another one; 0 for new copies.
-std::vector<double> shares_of(const Elements& elements, const MeshEdit& edit) {
-  Index first_new = elements.topology.tet_count();
-  for (const TetCopy& copy : edit.copies) first_new = std::min(first_new, copy.copy);
-  std::vector<double> shares;
-  for (const TetShare& tet_share : edit.shares)
-    shares.push_back(tet_share.tet >= first_new ? 0 : elements.share_of(tet_share.tet));
-  return shares;
-}
 
 Index first_copy(const Topology& topology) { return topology.tet_count() - topology.tet_copy_count(); }
 
@@ -108,12 +70,12 @@ template <class Real>
 Index Organ<Real>::remove_tets(const std::vector<Index>& tets) {
   check_tets(tets);
   if (std::none_of(tets.begin(), tets.end(), [&](Index t) { return elements().topology.alive(t); })) return 0;
-  free_ahead(tets);
-  const MeshEdit edit = cut(tets);
-  if (edit.empty()) return 0;
-  const auto removed = static_cast<Index>(edit.removed.size());
-  change_region(hinged_tets(body_.model, edit), RegionModel::nonlinear);
-  const Index vanished = treat_loose(pieces_.loosened_by(body_.model, edit));
+  grant({Moment::tets_go, tets});
+  const MeshEdit made = cut(tets);
+  if (made.empty()) return 0;
+  const auto removed = static_cast<Index>(made.removed.size());
+  change_region(hinged_tets(body_.model, made), RegionModel::nonlinear);
+  const Index vanished = treat_loose(pieces_.loosened_by(body_.model, made));
   if (elements().topology.alive_count() == 0)
     notice(Condition::Kind::everything_cut, "no tetrahedron is left");
   return removed + vanished;
@@ -121,45 +83,13 @@ Index Organ<Real>::remove_tets(const std::vector<Index>& tets) {
 
 template <class Real>
 MeshEdit Organ<Real>::cut(const std::vector<Index>& tets) {
-  synchronise();
-  MeshEdit edit = body_.model.elements.topology.remove(tets);
-  if (edit.empty()) return edit;
-  blades_.forget(edit.removed);
-  follow(edit);
-  journal_.edits.push_back(RemoveTets{edit.removed});
-  return edit;
-}
-
-template <class Real>
-void Organ<Real>::follow(const MeshEdit& edit) {
-  Elements& elements = body_.model.elements;
-  Motion<Real>& motion = body_.motion;
-  blades_.forget_prepared();
-  const Index before = motion.u.count();
-  const std::vector<double> shares_before = shares_of(elements, edit);
-  elements.follow(edit);
-  pieces_.follow(edit);
-  for (const TetCopy& copy : edit.copies) groups_.add_copy(copy.tet, copy.copy);
-  motion.extend(elements.topology.vertex_count());
-  for (const VertexSplit& split : edit.splits) {
-    lobe_assert(split.copy >= before && split.copy < motion.u.count(),
-                "a copy of a vertex is not a new vertex");
-    motion.u.col(split.copy) = motion.u.col(split.vertex);
-    motion.v.col(split.copy) = motion.v.col(split.vertex);
-    body_.model.held.split(split.vertex, split.copy);
-  }
-  if (!edit.shares.empty()) {
-    blades_.hold_what_is_filled(edit, body_.model);
-    blades_.share_loads(edit, elements, body_.loads.dead_loads());
-  }
-  limit_.follow(body_, edit, shares_before);
-  follow_with_surface(edit);
-  display_.tell(elements.topology, edit);
-  for (const auto& term : body_.terms) {
-    term->follow(elements.topology, edit);
-    if (grains()) term->follow_grains(elements, *grains(), edit);
-  }
-  follow(region_edit_of(edit, elements.topology, before));
+  const Change change = edit({.velocities = true, .followers = true}, [&] {
+    const MeshEdit removed = body_.model.elements.topology.remove(tets);
+    if (removed.empty()) return Change{};
+    blades_.forget(removed.removed);
+    return Change{.mesh = removed, .entry = RemoveTets{removed.removed}};
+  });
+  return change.mesh.value_or(MeshEdit{});
 }
 
 // Treats loose pieces as the setup says. Returns how many tetrahedra vanished.
@@ -185,17 +115,16 @@ Index Organ<Real>::treat_loose(const std::vector<std::vector<Index>>& pieces) {
 
 template <class Real>
 void Organ<Real>::freeze(const std::vector<Index>& piece) {
-  body_.recover_followers();
-  std::vector<Index> vertices;
-  for (Index t : piece)
-    for (Index v : elements().topology.corners(t)) vertices.push_back(v);
-  for (Index v : vertices) {
-    const Vec3d u = body_.motion.u.col(v).template cast<double>();
-    body_.model.held.hold({v, HeldVertices::boundary, u, u});
-  }
-  update_inverse_masses(vertices);
-  body_.regions.holds_have_changed();
-  embed();
+  edit({.velocities = true, .followers = true}, [&] {
+    Change change;
+    for (Index t : piece)
+      for (Index v : elements().topology.corners(t)) change.frozen.push_back(v);
+    for (Index v : change.frozen) {
+      const Vec3d u = body_.motion.u.col(v).template cast<double>();
+      body_.model.held.hold({v, HeldVertices::boundary, u, u});
+    }
+    return change;
+  });
 }
 
 template <class Real>
@@ -204,101 +133,6 @@ void Organ<Real>::check_tets(const std::vector<Index>& tets) const {
     if (t < 0 || t >= elements().topology.tet_count())
       throw InputError("tetrahedron " + std::to_string(t),
                        "there are " + std::to_string(elements().topology.tet_count()) + ", numbered from 0");
-}
-
-// ---- What follows an edit
-
-// Every part follows an edit, in this order.
-template <class Real>
-void Organ<Real>::follow(RegionEdit edit) {
-  add_unsupported(edit);
-  body_.regions.follow(elements(), edit);
-  update_vertices_apart(edit.vertices);
-  const std::vector<Index> mechanism = body_.regions.follow_condensed(body_.model, edit, body_.loads);
-  if (body_.regions.is_expanded()) {
-    update_vertices(edit.vertices);
-  } else if (body_.regions.condensed_has_changed()) {
-    find_carried();
-    take_over(edit.vertices);
-    update_inverse_masses(edit.vertices);
-  }
-  ++body_.model.revisions.structure;
-  if (body_.regions.any_condensed()) ++body_.model.revisions.condensed;
-  body_.sleep.wake(edit.vertices, body_);
-  if (!body_.terms.empty()) report_lost_forces(body_.acted_on_by_terms());
-  if (!mechanism.empty()) follow(change_of_region(mechanism, RegionModel::nonlinear));
-  embed();
-}
-
-// Adds parts of the pre-computed region that nothing holds in place after an edit. They will turn, so they
-// become non-linear.
-template <class Real>
-void Organ<Real>::add_unsupported(RegionEdit& edit) {
-  if (std::none_of(edit.left.begin(), edit.left.end(),
-                   [&](Index t) { return body_.regions.is_condensed(t); }))
-    return;
-  const std::vector<Index> tets = unsupported_tets(elements(), held());
-  if (tets.empty()) return;
-  const RegionEdit change = change_of_region(tets, RegionModel::nonlinear);
-  for (auto list : {&RegionEdit::left, &RegionEdit::entered, &RegionEdit::vertices}) {
-    (edit.*list).insert((edit.*list).end(), (change.*list).begin(), (change.*list).end());
-    sort_unique(edit.*list);
-  }
-  notice(Condition::Kind::pieces,
-         std::to_string(tets.size()) + " precomputed tetrahedra are no longer held and became nonlinear");
-}
-
-// Computes masses and loads of these vertices from the tetrahedra around them, as if nothing were condensed
-// and nothing followed a lattice. take_over() must follow, unless nothing of a region is condensed there.
-template <class Real>
-void Organ<Real>::update_masses(const std::vector<Index>& vertices) {
-  body_.inertia.update(body_.model, vertices);
-  body_.loads.update(elements(), vertices, [this](Index v) { return body_.inertia.weighs(v); });
-}
-
-// In the middle of an edit, which the condensed region has not followed yet.
-template <class Real>
-void Organ<Real>::update_vertices_apart(const std::vector<Index>& vertices) {
-  const Topology& topology = elements().topology;
-  body_.motion.extend(topology.vertex_count());
-  body_.sleep.extend(topology.vertex_count(), time());
-  limit_.extend(topology.vertex_count());
-  update_masses(vertices);
-  body_.regions.raise_masses(vertices, body_.inertia.masses());
-  for (Index v : vertices)
-    if (topology.around(v).empty()) body_.motion.v.col(v).setZero();
-  update_inverse_masses(vertices);
-}
-
-template <class Real>
-void Organ<Real>::update_vertices(const std::vector<Index>& vertices) {
-  update_vertices_apart(vertices);
-  take_over(vertices);
-}
-
-// Call it when masses of vertices have changed, or what holds them.
-template <class Real>
-void Organ<Real>::update_inverse_masses(const std::vector<Index>& vertices) {
-  for (Index v : vertices) {
-    body_.inertia.update_inverse(body_.model, v);
-    limit_.update(body_, v);
-  }
-}
-
-// Of these vertices, those of a condensed region get the masses and loads with which it moves.
-template <class Real>
-void Organ<Real>::take_over(const std::vector<Index>& vertices) {
-  const std::vector<Index> taken =
-      body_.regions.take_over(elements(), vertices, body_.inertia.masses(), body_.loads);
-  body_.inertia.raise_to_floor(body_.model, taken);
-  update_inverse_masses(taken);
-}
-
-// The condensed region has changed, and carries other masses everywhere at its interface.
-template <class Real>
-void Organ<Real>::find_carried() {
-  body_.regions.find_carried(elements());
-  take_over(body_.regions.shared());
 }
 
 // ---- The present body

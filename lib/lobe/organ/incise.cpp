@@ -33,7 +33,7 @@ void Organ<Real>::begin_floor() {
   const double omega = limit_.highest_at_rest();
   if (!has_floor() || body_.inertia.floor().square > 0 || !(omega > 0)) return;
   const double highest = omega / setup_.cut_step;
-  body_.inertia.set_floor({highest * highest, setup_.expandable});
+  body_.inertia.set_floor({highest * highest, body_.regions.model_without_steps()});
 }
 
 template <class Real>
@@ -118,45 +118,28 @@ void Organ<Real>::note_burnt(const std::vector<Index>& tets) {
     centre += volume * x.rowwise().mean();
   }
   event.place = centre / event.size;
-  findings_.events.push_back(std::move(event));
+  unreported_.events.push_back(std::move(event));
 }
 
-// To edit a condensed region costs milliseconds per tetrahedron. So an expandable one is expanded before a
-// blade reaches it. Reduced tetrahedra near the blade become non-linear.
+// Lets regions that a blade comes near change before it cuts them.
 template <class Real>
 void Organ<Real>::make_way(const BladeMove& move) {
-  const Regions<Real>& regions = body_.regions;
-  if (!regions.heeds_blades()) return;
+  if (!body_.regions.heeds_blades()) return;
   Eigen::AlignedBox3d box(move.from.tip);
   for (const Vec3d& end : {move.from.heel, move.to.tip, move.to.heel}) box.extend(end);
   const Vec3d reach = Vec3d::Constant(3 * grains()->mean_edge());
-  const std::vector<Index> near = body_now().tets_in({{box.min() - reach, box.max() + reach}, {}, {}});
-  const std::vector<Index> freed = regions.in_the_way(elements(), near);
-  if (regions.expands_for(near)) perform(Expand{});
-  if (!freed.empty()) change_region(freed, RegionModel::nonlinear);
+  grant({Moment::blade_comes, body_now().tets_in({{box.min() - reach, box.max() + reach}, {}, {}})});
 }
 
 // Divides these tetrahedra where faces next to them were opened.
 template <class Real>
 MeshEdit Organ<Real>::divide(const std::vector<Index>& opened) {
-  if (opened.empty()) {
-    follow_with_surface({});
-    return {};
-  }
   // Velocities stay half a step old: the next step has the forces of the cut body.
-  body_.recover(Regions<Real>::Interior::all);
-  Topology& topology = body_.model.elements.topology;
-  MeshEdit edit = topology.divide(blades_.parts_of(topology, opened));
-  if (edit.empty())
-    follow_with_surface(edit);  // faces were opened, but nothing has come apart yet
-  else
-    follow(edit);
-  return edit;
-}
-
-template <class Real>
-void Organ<Real>::follow_with_surface(const MeshEdit& edit) {
-  display_.follow(elements(), blades_.grains(), edit);
+  const Change change = edit({.followers = !opened.empty()}, [&] {
+    Topology& topology = body_.model.elements.topology;
+    return Change{.mesh = opened.empty() ? MeshEdit{} : topology.divide(blades_.parts_of(topology, opened))};
+  });
+  return *change.mesh;
 }
 
 // Treats what has come apart. Returns how many tetrahedra vanished.
@@ -166,8 +149,6 @@ Index Organ<Real>::settle(const MeshEdit& edit) {
   if (const std::vector<Index> hinged = hinged_tets(body_.model, edit); !hinged.empty())
     change_region(hinged, RegionModel::nonlinear);
   const auto loose = pieces_.loosened_by(body_.model, edit);
-  if (loose.empty()) return 0;
-  synchronise_velocities();
   return treat_loose(loose);
 }
 

@@ -52,10 +52,10 @@ const Setup& checked(const Setup& setup) {
 std::uint64_t fingerprint(const Setup& setup) { return io::digest_of_fields(setup); }
 
 template <class Real>
-Organ<Real>::Organ(const Setup& setup, int threads, const CondensingLog::Progress& condensing)
+Organ<Real>::Organ(const Setup& setup, int threads, const Progress& progress)
     : setup_(checked<Real>(setup)),
       journal_{fingerprint(setup), {}},
-      body_(setup, threads, condensing),
+      body_(setup, threads, progress),
       limit_(mean_edge(elements())),
       unravelling_(elements(), diagonal(elements())) {
   setup_.mesh = {};
@@ -63,16 +63,17 @@ Organ<Real>::Organ(const Setup& setup, int threads, const CondensingLog::Progres
   body_.motion.longest_move = mean_edge(elements());
   body_.sleep = Sleep(setup.sleep, setup.sleep / 8 * body_.motion.longest_move / diagonal(elements()));
   if (setup.cut_frequency > 0)
-    body_.inertia.set_floor({setup.cut_frequency * setup.cut_frequency, setup.expandable});
+    body_.inertia.set_floor({setup.cut_frequency * setup.cut_frequency, body_.regions.model_without_steps()});
   refuse_unsupported(elements(), held());
-  follow(everything(elements().topology));
+  Change built{.regions = everything(elements().topology)};
+  follow(built);
   pieces_ = Pieces(body_.model);
   if (setup.integrator == Integrator::generalised_alpha)
     implicit_ = std::make_unique<ImplicitDynamics>(setup.spectral_radius);
-  if (body_.regions.can_be_expanded()) {
-    set_expanded(true);
+  if (body_.regions.has_modes()) {
+    follow_mode(true);
     limit_.measure_at_rest(body_);
-    set_expanded(false);
+    follow_mode(false);
   }
   limit_.measure_at_rest(body_);
   embed();
@@ -117,7 +118,7 @@ void Organ<Real>::set_state(const State<Real>& state) {
   motion.v.view() = state.v;
   motion.time = state.time;
   motion.velocity_lag = implicit_ ? 0 : state.velocity_lag;
-  body_.regions.settle(elements(), limit_.highest_at_rest(), motion);
+  body_.regions.reduced().settle_all(elements(), limit_.highest_at_rest(), motion);
   body_.state_was_replaced();
   body_.sleep.wake_all(state.time);
   limit_.restart(body_);
@@ -126,15 +127,19 @@ void Organ<Real>::set_state(const State<Real>& state) {
 
 template <class Real>
 void Organ<Real>::take_nodes(const typename Regions<Real>::State& nodes, const State<Real>& state) {
-  Regions<Real>& regions = body_.regions;
-  if (!regions.any_roles()) return;
-  std::vector<Index> weighed;
-  VertexRoles roles = regions.begin_restoring(body_.model, nodes, weighed);
-  if (regions.has_roles(roles))
+  if (!body_.regions.any_roles()) return;
+  LatticeRegion<Real>& region = body_.regions.reduced();
+  region.set_zones(nodes.zones);
+  region.holds_have_changed();
+  const std::vector<Index> weighed = region.set_asked_mass(nodes.asked_mass);
+  VertexRoles roles = region.roles(body_.model, nodes.is_embedded);
+  if (region.has_roles(roles))
     update_vertices(weighed);
   else
-    embed_as(std::move(roles));
-  regions.end_restoring(elements(), nodes, body_.motion);
+    give(std::move(roles), {.followers = true});
+  body_.motion.nodes.u = nodes.u;
+  body_.motion.nodes.v = nodes.v;
+  region.set_fading(elements(), nodes.fading);
   body_.motion.u.view() = state.u;
   body_.motion.v.view() = state.v;
   body_.state_was_replaced();
@@ -168,36 +173,7 @@ Setup Organ<Real>::initial_setup() const {
   return setup;
 }
 
-// ---- Before the steps of a frame
-
-// Takes the result of condensing when it is due, and waits for it if necessary, so that a run has the same
-// bits on every machine.
-template <class Real>
-void Organ<Real>::condense_anew() {
-  constexpr double delay = 1;  // [s]
-  if (body_.regions.is_condensing() && time() >= body_.regions.condensing_due())
-    end_condensing();
-  else if (body_.regions.needs_condensing())
-    begin_condensing({time() + delay});
-}
-
-// Unravels tetrahedra that stay crushed. The search for the step limit has found the smallest det F.
-template <class Real>
-void Organ<Real>::unravel() {
-  if (elements().guard_below == 0) return;
-  const bool was_lumped = unravelling_.is_lumped();
-  unravelling_.lump(body_, limit_.volume_ratio());
-  if (unravelling_.is_lumped() != was_lumped)
-    notice(Condition::Kind::lumped, was_lumped
-                                        ? "nothing is crushed any more: masses are selective again"
-                                        : "tetrahedra are crushed: masses are lumped until they are not");
-  use_mass_degree(unravelling_.is_lumped() ? 1 : body_.inertia.degree());
-  const auto was_held = [&](Index tet) { return pieces_.was_held(tet); };
-  const auto remedy = unravelling_.look(body_, limit_.volume_ratio(), was_held);
-  if (!remedy) return;
-  notice(Condition::Kind::unravelling, remedy->why);
-  change_region(remedy->tets, remedy->model);
-}
+// ---- What tools see
 
 // Computes where vertices are that follow others, before a tool searches them. How far they have moved is not
 // known.
@@ -233,8 +209,8 @@ void Organ<Real>::report_frame(const PatchCount& before, Report& report) {
   const PatchCount after = body_.regions.patch_count();
   report.patches_evaluated = after.evaluated - before.evaluated;
   report.patches_skipped = after.skipped - before.skipped;
-  report.transitions = std::exchange(findings_.transitions, {});
-  report.events = std::exchange(findings_.events, {});
+  report.transitions = std::exchange(unreported_.transitions, {});
+  report.events = std::exchange(unreported_.events, {});
   for (const auto& term : body_.terms) {
     std::vector<Event> events = term->take_events();
     std::move(events.begin(), events.end(), std::back_inserter(report.events));
@@ -258,20 +234,6 @@ template <class Real>
 void Organ<Real>::repeat(const SetRegion& entry) {
   check_tets(entry.tets);
   change_region(entry.tets, entry.model);
-}
-
-template <class Real>
-void Organ<Real>::synchronise_velocities() {
-  if (implicit_ || body_.motion.velocity_lag == 0) return;
-  refresh_terms();
-  body_.synchronise_velocities();
-}
-
-// What an edit finds: velocities of the time of the displacements, and what follows others where it now is.
-template <class Real>
-void Organ<Real>::synchronise() {
-  synchronise_velocities();
-  body_.recover(Regions<Real>::Interior::all);
 }
 
 template class Organ<float>;

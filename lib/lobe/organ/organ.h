@@ -2,8 +2,9 @@
 // changed, and brings masses, loads, regions, the step limit, the surface and the journal up to date. A World
 // plays time and tools on it.
 //
-// Each edit is synchronised first: velocities are brought up to the displacements, and what follows others is
-// recovered, so that nothing is lost where vertices change what they follow.
+// An edit is a Change, which is made in one place (edit) and followed in one list (follow): first velocities
+// are brought up to the displacements and what follows others is recovered, so that nothing is lost where
+// vertices change what they follow. What kinds of regions wish for is a list as well (wishes.cpp).
 #pragma once
 
 #include <functional>
@@ -18,6 +19,7 @@
 #include "lobe/cut/tet_groups.h"
 #include "lobe/forces/attachments.h"
 #include "lobe/forces/threads.h"
+#include "lobe/organ/change.h"
 #include "lobe/organ/display.h"
 #include "lobe/organ/history.h"
 #include "lobe/organ/pieces.h"
@@ -29,10 +31,12 @@
 
 namespace lobe {
 
+using WishMemory = TouchExpansion;  // what wishes know from frame to frame; part of a checkpoint
+
 template <class Real>
 class Organ {
  public:
-  Organ(const Setup& setup, int threads, const CondensingLog::Progress& condensing);
+  Organ(const Setup& setup, int threads, const Progress& progress);
 
   // ---- Edits. They throw InputError for what cannot be done, and then have changed nothing.
 
@@ -80,8 +84,8 @@ class Organ {
 
   // ---- Before the steps of a frame
 
-  void condense_anew();
-  void unravel();
+  // Grants what kinds of regions wish for at this moment. Returns whether anything has changed.
+  bool grant(const Occasion& occasion);
   // Shows force terms the tools that exist in the frame; shows them the body.
   void show_tools(std::span<const ToolBody> bodies);
   void show_body();
@@ -92,11 +96,6 @@ class Organ {
     shown_ = {};
     refresh_terms();
   }
-  // Embeds the vertices that are to follow the nodes of the lattice now; those that are held or pressed do
-  // not. Before the frequency of the full body is known, no vertex is embedded. True if something has
-  // changed.
-  bool embed(const std::vector<Index>& also_pressed = {});
-  bool slow_strained();      // true if a vertex got mass
   void end_step(double dt);  // of central differences: tells what follows the motion how far it went
   // One more step was made, in which no vertex moved further than `distance` [m] apart from rounding.
   void moved(double distance, double rounding) { groups_.moved(distance, rounding); }
@@ -118,8 +117,13 @@ class Organ {
   // The term of a kind that an organ makes by itself. It exists from the first call on. Forces of terms are
   // added in one order, whichever exist: those of these kinds first, in the order of the kinds.
   ForceTerm<Real>& own_term(std::string_view name);
+  // A force on a vertex that follows others had no effect in a frame.
+  void report_unseen_force(Index vertex);
+  // Brings pre-computed regions into the mode of another organ, which is linearised about the same
+  // displacements; `vertices`: of that one, for each of this one.
+  void take_mode(const Organ& other, const std::vector<Index>& vertices);
   void notice(Condition::Kind kind, const std::string& text) {
-    findings_.conditions.push_back({kind, text, time()});
+    unreported_.conditions.push_back({kind, text, time()});
   }
 
   double time() const { return body_.motion.time; }
@@ -144,15 +148,40 @@ class Organ {
   BladeWork& blades() { return blades_; }
   const BladeWork& blades() const { return blades_; }
   ImplicitDynamics* implicit() const { return implicit_.get(); }  // null: central differences
-  TouchExpansion& touch_expansion() { return touch_expansion_; }
-  const TouchExpansion& touch_expansion() const { return touch_expansion_; }
-  Findings& findings() { return findings_; }
-  const Findings& findings() const { return findings_; }
+  WishMemory& wish_memory() { return wish_memory_; }
+  const WishMemory& wish_memory() const { return wish_memory_; }
+  Unreported& unreported() { return unreported_; }
+  const Unreported& unreported() const { return unreported_; }
   Display<Real>& display() { return display_; }
   const Display<Real>& display() const { return display_; }
 
  private:
-  // ---- Edits, and what follows them
+  // ---- An edit, and what follows it
+
+  template <class Make>
+  Change edit(const Before& before, const Make& make);
+  template <class Make>
+  void edit_terms(const Before& before, const Make& make);
+  void follow(Change& change);
+  std::optional<RegionEdit> follow_mesh(const MeshEdit& edit);
+  void follow_regions(RegionEdit& edit);
+  void follow_frozen(const std::vector<Index>& vertices);
+  void follow_condensing();
+  void follow_mode(bool is_expanded);
+  void follow_roles(VertexRoles roles);
+  void follow_mass_degree(int degree);
+  void follow_terms(const std::vector<Index>& woken_before);
+  void add_unsupported(RegionEdit& edit);
+  void update_masses(const std::vector<Index>& vertices);
+  void update_vertices_apart(const std::vector<Index>& vertices);
+  void update_vertices(const std::vector<Index>& vertices);
+  void update_inverse_masses(const std::vector<Index>& vertices);
+  void take_over(const std::vector<Index>& vertices);
+  void find_carried();
+  void as_transition(const std::function<void()>& change);
+  void synchronise_velocities();
+
+  // ---- Edits
 
   MeshEdit cut(const std::vector<Index>& tets);
   void change_region(const std::vector<Index>& tets, RegionModel model);
@@ -160,9 +189,9 @@ class Organ {
   void hold(const HeldVertices& held);
   void begin_condensing(BeginCondensing begin);
   void end_condensing();
-  void set_expanded(bool is_expanded);
   void forget_former_condensing();
   void use_mass_degree(int degree);
+  void give(VertexRoles roles, const Before& before);
   void repeat(const RemoveTets& entry);
   void repeat(const SetRegion& entry);
   void repeat(const Expand& entry) { perform(entry); }
@@ -172,20 +201,9 @@ class Organ {
   void repeat(const BeginCondensing& entry) { begin_condensing(entry); }
   void repeat(const EndCondensing&) { end_condensing(); }
   void repeat(const Superseded& entry) { journal_.edits.push_back(entry); }
-  void follow(const MeshEdit& edit);
-  void follow(RegionEdit edit);
-  void add_unsupported(RegionEdit& edit);
-  void update_masses(const std::vector<Index>& vertices);
-  void update_vertices_apart(const std::vector<Index>& vertices);
-  void update_vertices(const std::vector<Index>& vertices);
-  void update_inverse_masses(const std::vector<Index>& vertices);
-  void take_over(const std::vector<Index>& vertices);
-  void find_carried();
   Index treat_loose(const std::vector<std::vector<Index>>& pieces);
   void freeze(const std::vector<Index>& piece);
   void check_tets(const std::vector<Index>& tets) const;
-  void synchronise();  // before an edit
-  void synchronise_velocities();
   // Computes where vertices are that follow others, before a tool searches them.
   void see_interior();
   std::vector<Index> meeting_as_seen(const SweptVolume& volume);  // the tetrahedra that meet it, ascending
@@ -199,15 +217,21 @@ class Organ {
   void make_way(const BladeMove& move);
   MeshEdit make_again(const std::vector<Incision>& incisions);
   MeshEdit divide(const std::vector<Index>& opened);
-  void follow_with_surface(const MeshEdit& edit);
   Index settle(const MeshEdit& edit);
   void note_burnt(const std::vector<Index>& tets);
 
-  // ---- Reduced regions and force terms
+  // ---- Wishes: they return whether anything has changed
 
-  void embed_as(VertexRoles roles);
-  void as_transition(const std::function<void()>& change);
-  void free_ahead(const std::vector<Index>& tets);
+  bool condense_anew(const Occasion&);
+  bool unravel(const Occasion&);
+  bool follow_touch(const Occasion& tool);
+  bool expand_ahead(const Occasion& blade);
+  bool free_ahead(const Occasion& cut);
+  bool embed(const Occasion& steps = {Moment::steps_begin});
+  bool slow_strained(const Occasion&);
+
+  // ---- Force terms
+
   struct Shown {
     std::uint64_t structure = 0, inertia = 0;
     int mass_degree = 0;
@@ -220,14 +244,12 @@ class Organ {
   void show_body_to(ForceTerm<Real>& term);
   double softening();
   AppliedForces<Real>& applied();
-  bool follow_touch(const std::vector<Index>& touched);
   Threads<Real>& threads();
-  template <class Change>
-  void change_threads(const Change& change);
+  template <class Make>
+  void change_threads(const Make& change);
   Attachments<Real>& attachments();
-  template <class Change>
-  void change_attachments(const Change& change);
-  void terms_have_changed(const std::vector<Index>& woken_before);
+  template <class Make>
+  void change_attachments(const Make& change);
   void report_lost_forces(const std::vector<Index>& vertices);
 
   Setup setup_;  // loads, gravity, damping …; without the mesh and its materials
@@ -241,8 +263,8 @@ class Organ {
   std::uint64_t jumps_ = 0;                         // Revisions::jumps that groups_ knows
   Revisions seen_{.structure = ~std::uint64_t(0)};  // when what follows others was looked at last
   std::unique_ptr<ImplicitDynamics> implicit_;      // none: central differences
-  TouchExpansion touch_expansion_;
-  Findings findings_;
+  WishMemory wish_memory_;
+  Unreported unreported_;
   Display<Real> display_;
   Shown shown_;                      // of the body, when force terms saw it last
   std::map<int, double> softening_;  // of contact, per degree of selective masses; those that were found

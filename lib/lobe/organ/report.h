@@ -52,7 +52,7 @@ struct Transitions {
       std::tuple(&Transitions::count, &Transitions::kinetic, &Transitions::elastic, &Transitions::loads);
 };
 
-struct Findings {  // what edits have found since the last report
+struct Unreported {  // what edits have found since the last report
   std::vector<Condition> conditions;
   std::vector<Event> events;
   Transitions transitions;

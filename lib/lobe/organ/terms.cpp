@@ -21,24 +21,20 @@ void Organ<Real>::hold(const HeldVertices& now) {
   if (!std::all_of(items.begin(), items.end(),
                    [&](const HeldVertices::Held& item) { return item.is_valid() && item.vertex < vertices; }))
     throw InputError("held vertices", "one of them does not exist or is held at a place that is not finite");
-  RegionEdit edit;
-  for (const HeldVertices::Held& item : held().as_saved()) edit.vertices.push_back(item.vertex);
-  for (const HeldVertices::Held& item : items) edit.vertices.push_back(item.vertex);
-  sort_unique(edit.vertices);
-  const auto change = [&] {
+  edit({.velocities = true, .energies = body_.regions.any_roles()}, [&] {
+    RegionEdit regions;
+    for (const HeldVertices::Held& item : held().as_saved()) regions.vertices.push_back(item.vertex);
+    for (const HeldVertices::Held& item : items) regions.vertices.push_back(item.vertex);
+    sort_unique(regions.vertices);
     body_.model.held = now;
-    if (body_.regions.needs_history_of_holds()) journal_.edits.push_back(Hold{now});
-    follow(std::move(edit));
-  };
-  if (body_.regions.any_roles())
-    as_transition(change);
-  else
-    change();
+    const bool is_listed = body_.regions.needs_history_of_holds();
+    return Change{.regions = std::move(regions),
+                  .entry = is_listed ? std::optional<JournalEntry>(Hold{now}) : std::nullopt};
+  });
 }
 
 template <class Real>
 Index Organ<Real>::grasp(const HeldVertices& held) {
-  synchronise_velocities();
   hold(held);
   return treat_loose(pieces_.loosened(body_.model));
 }
@@ -82,7 +78,8 @@ void Organ<Real>::show_body() {
     if (!term.needs_body()) continue;
     show_body_to(term);
     if (body_.sleep.any()) body_.sleep.wake(term.wakes(body_.model), body_);
-    if (body_.regions.heeds_touch() && follow_touch(term.acts_on(body_.model))) show_body_to(term);
+    if (!body_.regions.heeds_touch()) continue;
+    if (grant({Moment::tool_touches, {}, term.acts_on(body_.model)})) show_body_to(term);
   }
 }
 
@@ -126,25 +123,15 @@ double Organ<Real>::softening() {
   return known;
 }
 
-// True if something has changed.
+// Makes an edit of force terms. Wakes what they have woken and will wake.
 template <class Real>
-bool Organ<Real>::follow_touch(const std::vector<Index>& touched) {
-  const auto interior =
-      std::find_if(touched.begin(), touched.end(), [&](Index v) { return body_.regions.is_interior(v); });
-  switch (touch_expansion_.follow(body_.regions, interior != touched.end(), time())) {
-    case TouchExpansion::Answer::nothing:
-      return false;
-    case TouchExpansion::Answer::report:
-      report_lost_forces({*interior});
-      return false;
-    case TouchExpansion::Answer::expand:
-      perform(Expand{});
-      return true;
-    case TouchExpansion::Answer::condense:
-      perform(Condense{});
-      return true;
-  }
-  return false;
+template <class Make>
+void Organ<Real>::edit_terms(const Before& before, const Make& make) {
+  std::vector<Index> woken = body_.woken_by_terms();
+  edit(before, [&] {
+    make();
+    return Change{.has_terms = true, .woken = std::move(woken)};
+  });
 }
 
 template <class Real>
@@ -154,19 +141,18 @@ void Organ<Real>::add(std::shared_ptr<ForceTerm<Real>> term) {
                                     [&](const auto& present) { return present->name() == term->name(); });
   if (is_known || find_kind_of_term<Real>(term->name()))
     throw InputError("force term", "there is one of the name \"" + term->name() + "\" already");
-  body_.terms.push_back(std::move(term));
-  shown_ = {};
-  terms_have_changed({});
+  edit_terms({}, [&] {
+    body_.terms.push_back(std::move(term));
+    shown_ = {};
+  });
 }
 
 template <class Real>
 void Organ<Real>::perform(const SetForces& command) {
   AppliedForces<Real>().set(command.forces,
                             elements().topology.vertex_count());  // throws before anything changes
-  const std::vector<Index> before = body_.woken_by_terms();
-  synchronise_velocities();
-  applied().set(command.forces, elements().topology.vertex_count());
-  terms_have_changed(before);
+  edit_terms({.velocities = true},
+             [&] { applied().set(command.forces, elements().topology.vertex_count()); });
 }
 
 template <class Real>
@@ -174,10 +160,8 @@ void Organ<Real>::perform(const SetSprings& command) {
   refuse_excluded(Option::force_terms, options_of(setup_), "springs");
   AppliedForces<Real>().set(command.springs,
                             elements().topology.vertex_count());  // throws before anything changes
-  const std::vector<Index> before = body_.woken_by_terms();
-  synchronise_velocities();
-  applied().set(command.springs, elements().topology.vertex_count());
-  terms_have_changed(before);
+  edit_terms({.velocities = true},
+             [&] { applied().set(command.springs, elements().topology.vertex_count()); });
 }
 
 // Without a term there is no spring: an empty one says so before anything changes.
@@ -187,17 +171,6 @@ void Organ<Real>::perform(const MoveSprings& command) {
   if (std::none_of(body_.terms.begin(), body_.terms.end(), is_applied))
     AppliedForces<Real>().move(command.points);
   applied().move(command.points);
-}
-
-// Wakes the vertices that the terms wake now or woke before. The step limit changes with their stiffness.
-template <class Real>
-void Organ<Real>::terms_have_changed(const std::vector<Index>& woken_before) {
-  body_.sleep.wake(woken_before, body_);
-  body_.sleep.wake(body_.woken_by_terms(), body_);
-  ++body_.model.revisions.terms;
-  ++body_.model.revisions.structure;
-  report_lost_forces(body_.acted_on_by_terms());
-  embed();
 }
 
 // Reports forces on the interior of a condensed region. It follows its interface, so they have no effect.
@@ -210,6 +183,14 @@ void Organ<Real>::report_lost_forces(const std::vector<Index>& vertices) {
           "a force on vertex " + std::to_string(v) +
               ", in the interior of a precomputed region, has no effect: expand the region, make it "
               "tensor-mass, or take hold of the vertex");
+}
+
+template <class Real>
+void Organ<Real>::report_unseen_force(Index vertex) {
+  notice(Condition::Kind::lost_force,
+         "a force on vertex " + std::to_string(vertex) +
+             ", which follows a lattice, had no effect in a frame: move the tool more slowly, or use shorter "
+             "frames");
 }
 
 }  // namespace lobe

@@ -13,17 +13,14 @@ Threads<Real>& Organ<Real>::threads() {
 }
 
 template <class Real>
-template <class Change>
-void Organ<Real>::change_threads(const Change& change) {
+template <class Make>
+void Organ<Real>::change_threads(const Make& change) {
   refuse_excluded(Option::force_terms, options_of(setup_), "thread");
   Threads<Real> trial{Setup()};  // throws before anything changes
   for (const auto& term : body_.terms)
     if (term->name() == Threads<Real>::term_name) trial = static_cast<const Threads<Real>&>(*term);
   change(trial);
-  const std::vector<Index> before = body_.woken_by_terms();
-  synchronise();
-  change(threads());
-  terms_have_changed(before);
+  edit_terms({.velocities = true, .followers = true}, [&] { change(threads()); });
 }
 
 template <class Real>

@@ -100,9 +100,9 @@ Checkpoint<Real> World<Real>::save() const {
   c.nodes = body().regions.state(body().motion);
   c.mass_degree = body().inertia.degree();
   if (organ_.implicit()) c.acceleration = organ_.implicit()->acceleration(body().model);
-  c.pending = organ_.findings().conditions;
-  c.transitions = organ_.findings().transitions;
-  c.touch_expansion = organ_.touch_expansion();
+  c.pending = organ_.unreported().conditions;
+  c.transitions = organ_.unreported().transitions;
+  c.wishes = organ_.wish_memory();
   for (const auto& term : body().terms) c.terms.push_back({term->name(), term->save()});
   return c;
 }
@@ -158,9 +158,9 @@ void World<Real>::take(const Checkpoint<Real>& c) {
   tools_.set_state(c.tools);
   organ_.blades().set_state(c.blades);
   organ_.pieces().set_state(c.pieces);
-  organ_.findings().conditions = c.pending;
-  organ_.findings().transitions = c.transitions;
-  organ_.touch_expansion() = c.touch_expansion;
+  organ_.unreported().conditions = c.pending;
+  organ_.unreported().transitions = c.transitions;
+  organ_.wish_memory() = c.wishes;
   load_terms(c);
   for (Index v = 0; v < elements().topology.vertex_count(); ++v)
     body().inertia.update_inverse(body().model, v);

@@ -38,7 +38,7 @@ struct Checkpoint {
     static constexpr auto fields = std::tuple(&Term::name, &Term::saved);
   };
   std::vector<Term> terms;  // of forces, by their names
-  TouchExpansion touch_expansion;
+  WishMemory wishes;
 
   bool is_valid() const { return acceleration.allFinite(); }
   static constexpr auto fields =
@@ -46,7 +46,7 @@ struct Checkpoint {
                  &Checkpoint::tools, &Checkpoint::blades, &Checkpoint::pieces, &Checkpoint::sleep,
                  &Checkpoint::unravelling, &Checkpoint::ratios, &Checkpoint::limit, &Checkpoint::nodes,
                  &Checkpoint::mass_degree, &Checkpoint::acceleration, &Checkpoint::pending,
-                 &Checkpoint::transitions, &Checkpoint::terms, &Checkpoint::touch_expansion);
+                 &Checkpoint::transitions, &Checkpoint::terms, &Checkpoint::wishes);
 };
 
 // Writes and reads a checkpoint as a file. Reading throws InputError for a file that is damaged, cut off, of

@@ -27,22 +27,6 @@ std::vector<std::array<Index, 3>> boundary(const Topology& topology, const std::
   return faces;
 }
 
-// Linearises the region about the same displacements as in the other world, and expands it if that one is
-// expanded.
-template <class Real>
-void follow_mode(World<Real>& fresh, const World<Real>& world, const CompactMesh& c) {
-  if (const Mat3X<double>& about = world.body().regions.linearised_about(); about.size() > 0) {
-    fresh.apply(Expand{});
-    State<Real> state = fresh.state();
-    state.u = about(Eigen::all, c.vertex_source).template cast<Real>();
-    fresh.set_state(state);
-    constexpr double moment = 1e-9;  // [s]
-    fresh.apply(Relinearise{moment});
-    while (fresh.body().regions.is_condensing()) fresh.advance(moment);
-  }
-  world.body().regions.is_expanded() ? fresh.apply(Expand{}) : fresh.apply(Condense{});
-}
-
 }  // namespace
 
 double RebuildDifference::largest() const {
@@ -61,7 +45,7 @@ RebuildDifference compare_with_rebuilt(World<Real>& world) {
   CompactMesh c;
   const Setup setup = world.current_setup(c);
   World<Real> fresh(setup);
-  follow_mode(fresh, world, c);
+  fresh.organ_.take_mode(world.organ_, c.vertex_source);
   State<Real> state;
   state.u = world.state().u(Eigen::all, c.vertex_source);
   state.v = world.state().v(Eigen::all, c.vertex_source);

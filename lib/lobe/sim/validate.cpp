@@ -132,7 +132,7 @@ void validate_motion(const Dynamics<Real>& body) {
         "motion: the state is not finite");
 }
 
-// What the tetrahedra around a vertex give it, and a condensed interior; what follows others has none.
+// What the tetrahedra around a vertex give it, and what an interface carries; what follows others has none.
 template <class Real>
 double expected_mass(const Dynamics<Real>& body, Index v) {
   if (body.regions.follows(v)) return 0;
@@ -173,18 +173,6 @@ void validate_held(const Dynamics<Real>& body) {
     const double k = hold_stiffness(body.model.elements, spring.item);
     check(std::abs(spring.stiffness - k) <= 1e-12 * k, "held: the stiffness of a spring");
   }
-}
-
-template <class Real>
-void validate_regions(Dynamics<Real>& body) {
-  const Elements& elements = body.model.elements;
-  Index condensed = 0;
-  for (Index t = 0; t < elements.topology.tet_count(); ++t) {
-    const bool expected = elements.is_in(RegionModel::precomputed, t);
-    check(body.regions.is_condensed(t) == expected, "regions: which tetrahedra are condensed");
-    condensed += expected;
-  }
-  check(body.regions.any_condensed() == (condensed > 0), "regions: whether any is condensed");
 }
 
 void validate_surface(const Surface& surface, const SurfaceCells& cells, const Elements& elements) {
@@ -233,7 +221,6 @@ void validate(World<Real>& world) {
   validate_motion(body);
   validate_held(body);
   validate_masses(body);
-  validate_regions(body);
   validate_surface(world.surface(), *surface_cells(body.model.elements, world.grains()), body.model.elements);
   validate_places(world.surface().mesh(), body.model.elements.topology);
 }

@@ -1,4 +1,4 @@
-// The parts of validate() that look into lattices, tools, blades and sleep.
+// The parts of validate() that look into regions, tools, blades and sleep.
 #pragma once
 
 #include "lobe/sim/world.h"

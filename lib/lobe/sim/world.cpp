@@ -66,8 +66,8 @@ void add_forces_of_springs(const Dynamics<Real>& body, double dt, Tools& tools) 
 }  // namespace
 
 template <class Real>
-World<Real>::World(const Setup& setup, int threads, const CondensingLog::Progress& condensing)
-    : organ_(setup, threads, condensing), tools_(setup) {}
+World<Real>::World(const Setup& setup, int threads, const Progress& progress)
+    : organ_(setup, threads, progress), tools_(setup) {}
 
 template <class Real>
 void World<Real>::apply(const Command& command) {

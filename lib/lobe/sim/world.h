@@ -23,14 +23,17 @@ template <class Real>
 class World;
 template <class Real>
 void incise(World<Real>& world, const std::vector<Incision>& incisions);
+struct RebuildDifference;
+template <class Real>
+RebuildDifference compare_with_rebuilt(World<Real>& world);
 
 template <class Real>
 class World {
  public:
   // Throws InputError if the setup is inconsistent, asks for a region model that is not available, or for the
   // implicit integrator in single precision.
-  // `condensing` is called with the finished share while pre-computed regions are condensed.
-  explicit World(const Setup& setup, int threads = 1, const CondensingLog::Progress& condensing = {});
+  // `progress` is called with the finished share of what takes long: condensing pre-computed regions.
+  explicit World(const Setup& setup, int threads = 1, const Progress& progress = {});
 
   // ---- Time
 
@@ -125,6 +128,7 @@ class World {
 
  private:
   friend void incise<Real>(World& world, const std::vector<Incision>& incisions);
+  friend RebuildDifference compare_with_rebuilt<Real>(World& world);
 
   void begin_frame(double duration);
   void prepare_frame(double duration, Report& report);

@@ -50,12 +50,6 @@ Condition too_stiff(double limit, double time) {
           time};
 }
 
-std::string lost_on_lattice(Index v) {
-  return "a force on vertex " + std::to_string(v) +
-         ", which follows a lattice, had no effect in a frame: move the tool more slowly, or use shorter "
-         "frames";
-}
-
 Condition sub_stepped(int tries, int steps, double time) {
   return {Condition::Kind::sub_stepped,
           "it took " + std::to_string(tries) + " tries and " + std::to_string(steps) + " steps", time};
@@ -191,7 +185,7 @@ void World<Real>::begin_frame(double duration) {
 // Performs edits, tools and cuts at the start of a frame, and finds the step limit that follows from them.
 template <class Real>
 void World<Real>::prepare_frame(double duration, Report& report) {
-  organ_.condense_anew();
+  organ_.grant({Moment::frame_begins});
   organ_.refresh_terms();
   if (!organ_.implicit() && organ_.limit().is_due(body())) {
     const Timed timed(report, Phase::time_step);
@@ -200,20 +194,20 @@ void World<Real>::prepare_frame(double duration, Report& report) {
     organ_.limit().find_anew(body());
     organ_.limit().measure_again(body());
     organ_.limit().keep(body());
-    organ_.unravel();
+    organ_.grant({Moment::limit_is_found});
   }
   play_tools(duration, report);
   organ_.show_body();
   bool has_changed = false;
   {
     const Timed timed(report, Phase::cutting);
-    has_changed = organ_.embed();
+    has_changed = organ_.grant({Moment::steps_begin});
   }
   if (has_changed) organ_.show_body();  // in which other vertices have masses now
   {
     const Timed timed(report, Phase::time_step);
     report.time_step_limit = organ_.limit().for_frame(body());
-    if (organ_.slow_strained()) report.time_step_limit = organ_.limit().for_frame(body());
+    if (organ_.grant({Moment::step_is_chosen})) report.time_step_limit = organ_.limit().for_frame(body());
     report.limiting_vertex = organ_.limit().limiting_vertex();
   }
   const double ratio = organ_.limit().volume_ratio();
@@ -225,9 +219,9 @@ void World<Real>::prepare_frame(double duration, Report& report) {
 template <class Real>
 void World<Real>::advance_to(double end, Report& report) {
   const double duration = end - time();
-  const int transitions = organ_.findings().transitions.count;
+  const int transitions = organ_.unreported().transitions.count;
   prepare_frame(duration, report);
-  const bool in_transition = organ_.findings().transitions.count != transitions;
+  const bool in_transition = organ_.unreported().transitions.count != transitions;
   constexpr int most_steps = 1 << 20, most_tries = 9;
   const double longest = !organ_.implicit()                 ? organ_.setup().safety * report.time_step_limit
                          : organ_.setup().implicit_step > 0 ? organ_.setup().implicit_step
@@ -256,7 +250,7 @@ void World<Real>::advance_to(double end, Report& report) {
     }
     // If the body has become too stiff for the step that was taken, it may have begun to swing.
     if (done && ((step <= limit_after && unseen.empty()) || attempt == most_tries - 1)) {
-      if (!unseen.empty()) organ_.notice(Condition::Kind::lost_force, lost_on_lattice(unseen.front()));
+      if (!unseen.empty()) organ_.report_unseen_force(unseen.front());
       body().motion.time = end;
       aim_hold_springs();
       report.time_step = report.time_step > 0 ? std::min(report.time_step, step) : step;
@@ -267,7 +261,7 @@ void World<Real>::advance_to(double end, Report& report) {
     go_back(start, sleep_at_start, body());
     ++report.reruns;
     if (!unseen.empty()) {  // the frame is run again, in which they move by themselves
-      organ_.embed(unseen);
+      organ_.grant({Moment::steps_begin, {}, unseen});
       organ_.show_body();
       start = body().motion;
       limit_after = std::min(limit_after, organ_.limit().for_frame(body()));
@@ -306,7 +300,7 @@ void World<Real>::play_tools(double duration, Report& report) {
   }
   organ_.blades().end_strokes();
   report.mass_added = body().inertia.mass_of_floor();
-  std::vector<Condition>& found = organ_.findings().conditions;
+  std::vector<Condition>& found = organ_.unreported().conditions;
   report.conditions.insert(report.conditions.end(), found.begin(), found.end());
   found.clear();
 }

@@ -19,9 +19,9 @@ std::vector<Index> of_all(const Terms& terms, Vertices&& vertices_of) {
 }  // namespace
 
 template <class Real>
-Dynamics<Real>::Dynamics(const Setup& setup, int threads, const CondensingLog::Progress& condensing)
+Dynamics<Real>::Dynamics(const Setup& setup, int threads, const Progress& progress)
     : model{Elements(setup), held_by(setup), {}},
-      regions(setup, condensing),
+      regions(setup, progress),
       loads(model.elements, setup),
       inertia(setup),
       parallel(threads),
@@ -35,10 +35,10 @@ void Dynamics<Real>::find_forces(const Kick& kick) {
     loads.put_at(*wanted, motion.forces);
   else
     loads.put(motion.time, parallel, motion.forces);
-  regions.place_embedded(!terms.empty(), motion, parallel);
+  regions.begin_forces(!terms.empty(), motion, parallel);
   regions.add_forces(motion.u.padded(), loads.missing_share(motion.time), motion.forces.padded(), parallel);
   for (const auto& term : terms) term->add_forces(here(kick), motion.forces.padded());
-  regions.collect(loads.missing_share(motion.time), motion, parallel);
+  regions.end_forces(loads.missing_share(motion.time), motion, parallel);
 }
 
 template <class Real>
@@ -80,7 +80,7 @@ Energies Dynamics<Real>::energies_without_terms() {
   e.kinetic = inertia.kinetic_energy(motion, parallel) + regions.kinetic_energy(motion);
   e.elastic_linear = elastic.linear;
   e.elastic_nonlinear = elastic.nonlinear;
-  e.loads = elastic.condensed_loads - loads.work(motion.u.padded());
+  e.loads = elastic.loads - loads.work(motion.u.padded());
   return e;
 }
 

@@ -21,7 +21,7 @@ struct Energies {  // [J]
 
 template <class Real>
 struct Dynamics {
-  Dynamics(const Setup& setup, int threads, const CondensingLog::Progress& condensing);
+  Dynamics(const Setup& setup, int threads, const Progress& progress);
 
   Model model;
   Motion<Real> motion;
@@ -42,9 +42,9 @@ struct Dynamics {
     const StepFactors<double> step(motion.velocity_lag + dt / 2, dt, damping);
     return {step.keep, step.push, step.dt};
   }
-  // Computes the displacements of the condensed interior, and its velocities if asked for.
+  // Computes the displacements of what follows others, and its velocities if asked for.
   void recover(typename Regions<Real>::Interior wanted);
-  void recover_followers();  // of a condensed region's interface, of a lattice, with their velocities
+  void recover_followers();  // with their velocities, if there are any
   void find_moving();        // finds the vertices that move
   void prepare_inertia();    // and the couplings of selective masses
   Energies energies();

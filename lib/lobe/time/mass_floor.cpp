@@ -41,7 +41,7 @@ double MassFloor::at(const Elements& elements, Index vertex, std::vector<double>
   };
   double sum = 0;
   for (Index t : tets)
-    if (counts_precomputed || elements.region_of[t] != RegionModel::precomputed)
+    if (elements.region_of[t] != left_out)
       sum += elements.elastic_of(t).density * elements.corner_volumes[t] * square_of(t);
   return sum / square;
 }

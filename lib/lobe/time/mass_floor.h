@@ -11,14 +11,15 @@
 // that ω_max ≤ ω* is measured and not proved (theory, section 9).
 #pragma once
 
+#include <optional>
+
 #include "lobe/fem/elements.h"
 
 namespace lobe {
 
 struct MassFloor {
-  double square = 0;  // ω*² [1/s²]; 0: there is none
-  bool counts_precomputed =
-      true;  // tetrahedra of condensed regions take no steps, unless these can be expanded
+  double square = 0;                         // ω*² [1/s²]; 0: there is none
+  std::optional<RegionModel> left_out = {};  // model whose tetrahedra never take steps; none: all take them
 
   // The least mass of a vertex [kg]: 0 where no tetrahedron is divided. `squares`, if given, stores
   // ω_T² of each tetrahedron of the start; 0: not computed yet.

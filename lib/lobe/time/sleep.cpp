@@ -140,10 +140,7 @@ std::vector<std::uint8_t> Sleep::find_evaluated(Dynamics<Real>& body) {
       [&](const auto& layout, const auto& sums) { sums.mark_awake(layout, evaluated); });
   for (const HeldVertices::Held& item : body.inertia.driven()) evaluated[item.vertex] = 1;
   for (Index v : body.woken_by_terms()) evaluated[v] = 1;
-  if (body.regions.any_condensed())
-    for (Index t = 0; t < body.model.elements.topology.tet_count(); ++t)
-      if (body.regions.is_condensed(t))
-        for (Index v : body.model.elements.topology.corners(t)) evaluated[v] = 1;
+  body.regions.mark_without_patches(body.model.elements, evaluated);
   body.regions.visit_patches([&](const auto& layout, auto& sums) { sums.add_at(layout, evaluated); });
   return evaluated;
 }

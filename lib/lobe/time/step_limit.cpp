@@ -40,7 +40,7 @@ double damping_rate(const Dynamics<Real>& body) {
 template <class Real>
 template <class Weight>
 void StepLimit<Real>::find_frequencies(Body& body, Weight&& weight) {
-  body.regions.place_embedded(false, body.motion, body.parallel);  // wherever a reader may have left them
+  body.regions.begin_forces(false, body.motion, body.parallel);  // wherever a reader may have left them
   frequencies_.find(body.model.elements.topology.vertex_count(), weight, [&](DiagonalStiffness& K) {
     const auto found = body.regions.add_diagonal_stiffness(body.motion.u.padded(), K, body.parallel);
     volume_ratio_ = found.smallest_volume_ratio;
@@ -104,8 +104,7 @@ bool StepLimit<Real>::holds(const Body& body) const {
   const auto number_of = [](double time) { return std::floor(time / interval + 1e-6); };
   return !body.sleep.is_on() && number_of(body.motion.time) == number_of(frame_limit_.time) &&
          frame_limit_at_.structure == now.structure && frame_limit_at_.inertia == now.inertia &&
-         frame_limit_at_.replaced == now.replaced && frame_limit_at_.condensed == now.condensed &&
-         frame_limit_at_.terms == now.terms;
+         frame_limit_at_.replaced == now.replaced && frame_limit_at_.terms == now.terms;
 }
 
 template <class Real>
@@ -127,7 +126,7 @@ VertexFrequency StepLimit<Real>::highest_vertex(Body& body) {
 // nothing is found.
 template <class Real>
 HighestFrequency StepLimit<Real>::search_highest(Body& body, const LanczosSettings& settings) {
-  body.regions.place_embedded(false, body.motion, body.parallel);
+  body.regions.begin_forces(false, body.motion, body.parallel);
   const Mat3X<Real> at = body.motion.u.view();
   double farthest = 0;  // of what moves by itself [m]
   for (Index v = 0; v < static_cast<Index>(at.cols()); ++v)
@@ -230,7 +229,7 @@ void StepLimit<Real>::measure_at_rest(Body& body) {
     body.inertia.use(degree);
     measure_degree_at_rest(body);
   }
-  if (!body.regions.can_be_expanded()) at_rest_[1] = at_rest_[0];
+  if (!body.regions.has_modes()) at_rest_[1] = at_rest_[0];
 }
 
 template <class Real>

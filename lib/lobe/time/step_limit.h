@@ -56,8 +56,8 @@ class StepLimit {
 
   // Call it at the start of a frame. It measures the ratios again if the limit has changed enough.
   void measure_again(Body& body);
-  // Measures the ratios of the body at rest, for each degree of selective masses, condensed or expanded as it
-  // is now.
+  // Measures the ratios of the body at rest, for each degree of selective masses, in the present mode of
+  // its regions (Regions::mode).
   void measure_at_rest(Body& body);
   // Call it when inertia or the condensed regions have changed as a whole. Ratios are then those at rest.
   void restart(Body& body);
@@ -110,12 +110,8 @@ class StepLimit {
   // Highest frequencies of the body at rest, condensed or expanded as it is now [rad/s]: with its masses, and
   // with lumped masses. The ratio is that of the latter to the highest vertex estimate.
   double omega_at_rest(const Body& body) { return at_rest(body).omega; }
-  double lumped_omega_at_rest(const Body& body) const {
-    return at_rest_[body.regions.is_expanded()][1].omega;
-  }
-  double lumped_ratio_at_rest(const Body& body) const {
-    return at_rest_[body.regions.is_expanded()][1].ratio;
-  }
+  double lumped_omega_at_rest(const Body& body) const { return at_rest_[body.regions.mode()][1].omega; }
+  double lumped_ratio_at_rest(const Body& body) const { return at_rest_[body.regions.mode()][1].ratio; }
 
   // The same of the body as it was set up and expanded: of one that cannot be expanded only with lumped
   // masses, and condensed.
@@ -143,7 +139,7 @@ class StepLimit {
   bool is_known(const Body& body) const {
     const Revisions& now = body.model.revisions;
     return known_ != Known::nothing && found_at_.displacements == now.displacements &&
-           found_at_.condensed == now.condensed && found_at_.terms == now.terms;
+           found_at_.terms == now.terms;
   }
   double weight(const Body& body, Index v) const { return body.inertia.inverse_mass(v) * ratios_.square(v); }
   template <class Weight>
@@ -153,7 +149,7 @@ class StepLimit {
   bool nodes_limit(double limit) const { return ratios_.of_nodes * node_omega_ > 1.98 / limit; }
   void measure_degree_at_rest(Body& body);
   RestFrequency& at_rest(const Body& body) {
-    return at_rest_[body.regions.is_expanded()][std::size_t(body.inertia.degree_now())];
+    return at_rest_[body.regions.mode()][std::size_t(body.inertia.degree_now())];
   }
   static double least_ratio(const Body& body) { return 1.0 / body.inertia.degree_now(); }
   static CornerStiffness stiffness_of(const Body& body, Index tet);
@@ -162,8 +158,8 @@ class StepLimit {
   double mean_edge_;
   VertexFrequencies<Real> frequencies_;  // weighed with ratios_
   FrequencyRatios ratios_;
-  // Condensed and expanded, with each degree.
-  std::array<std::array<RestFrequency, highest_mass_degree + 1>, 2> at_rest_;
+  // In each mode of the regions, with each degree.
+  std::array<std::array<RestFrequency, highest_mass_degree + 1>, Regions<Real>::most_modes> at_rest_;
   HighestFrequency search_;
   Known known_ = Known::nothing;
   Revisions found_at_;

@@ -66,7 +66,7 @@ bool Unravelling::have_come_back(const Dynamics<Real>& body) const {
   const Elements& elements = body.model.elements;
   const double safe = (1 + elements.guard_below) / 2;
   return std::all_of(state_.tets.begin(), state_.tets.end(), [&](Index t) {
-    return !elements.is_in(RegionModel::tensor_mass, t) ||
+    return !elements.is_in(unravelling_model, t) ||
            volume_ratio_of(elements, t, body.motion.u.padded()) > safe;
   });
 }
@@ -81,7 +81,7 @@ std::optional<Unravelling::Remedy> Unravelling::make_linear_around(const Element
   std::vector<Index> others;
   while (others.empty() && !tangled.empty() && state_.stage < stages) {
     others = with_rings(elements.topology, tangled, rings[state_.stage++]);
-    std::erase_if(others, [&](Index t) { return elements.region_of[t] != RegionModel::nonlinear; });
+    std::erase_if(others, [&](Index t) { return elements.region_of[t] != tangling_model; });
   }
   if (others.empty()) return {};
   tets.insert(tets.end(), others.begin(), others.end());
@@ -90,7 +90,7 @@ std::optional<Unravelling::Remedy> Unravelling::make_linear_around(const Element
                                      : counted(crushed) + " stay crushed or inverted, the first of them " +
                                            std::to_string(tangled.front());
   const std::string count = counted(others.size());
-  return Remedy{RegionModel::tensor_mass, std::move(others),
+  return Remedy{unravelling_model, std::move(others),
                 why + ": " + count + " around become linear until they are back"};
 }
 
@@ -98,9 +98,9 @@ Unravelling::Remedy Unravelling::end(const Elements& elements, double time, cons
   std::vector<Index> tets;
   tets.swap(state_.tets);
   state_.since = time;
-  std::erase_if(tets, [&](Index t) { return elements.region_of[t] != RegionModel::tensor_mass; });
+  std::erase_if(tets, [&](Index t) { return elements.region_of[t] != unravelling_model; });
   const std::string count = counted(tets.size());
-  return {RegionModel::nonlinear, std::move(tets), count + " " + how};
+  return {tangling_model, std::move(tets), count + " " + how};
 }
 
 template double volume_ratio_of(const Elements&, Index, const Mat3X<float>&);

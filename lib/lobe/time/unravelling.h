@@ -21,7 +21,7 @@ class Unravelling {
   static constexpr int stages = static_cast<int>(rings.size());
 
   struct State {              // part of a checkpoint
-    std::vector<Index> tets;  // tensor-mass for now, sorted; none: nothing is being unravelled
+    std::vector<Index> tets;  // linear for now, sorted; none: nothing is being unravelled
     int stage = 0;     // stages tried since a tool last moved the body or its state was set, up to `stages`
     double since = 0;  // when the present stage, or the tangle, began [s]
     bool is_lumped = false;  // selective masses wait until nothing is crushed
@@ -53,7 +53,7 @@ class Unravelling {
   void lump(const Dynamics<Real>& body, double volume_ratio);
 
   struct Remedy {
-    RegionModel model = RegionModel::nonlinear;
+    RegionModel model = tangling_model;
     std::vector<Index> tets;  // to be given that model
     std::string why;
   };
@@ -91,7 +91,7 @@ std::vector<Index> Unravelling::tangled(const Dynamics<Real>& body, double volum
   std::vector<Index> tangled;
   if (volume_ratio >= elements.guard_below) return tangled;
   for (Index t = 0; t < elements.topology.tet_count(); ++t)
-    if (elements.is_in(RegionModel::nonlinear, t) && was_held(t) &&
+    if (elements.is_in(tangling_model, t) && was_held(t) &&
         volume_ratio_of(elements, t, body.motion.u.padded()) < elements.guard_below)
       tangled.push_back(t);
   return tangled;

@@ -31,11 +31,7 @@ std::vector<double> Gauge<Real>::pressures(const World<Real>& world, const Mat3X
   const Elements& elements = world.elements();
   if (!any_nodal_pressure(elements.materials))
     return std::vector<double>(std::size_t(elements.topology.tet_count()), 0);
-  const std::uint64_t restored = world.body().model.revisions.restored;
-  const bool is_restored = std::exchange(averages_restored_, restored) != restored;
-  if (std::exchange(averages_edits_, world.journal().edits.size()) != world.journal().edits.size() ||
-      is_restored)
-    averages_.emplace(elements);
+  if (averages_edits_.read(world).any()) averages_.emplace(elements);
   return tet_pressures(elements, *averages_, u);
 }
 

@@ -47,8 +47,7 @@ class Gauge {
   double reduced_error_ = 0, followed_ = -1;     // the latter: the time of the last frame [s]
   double most_moved_ = 0;                        // since there is a watch: the largest displacement [m]
   std::optional<Averages> averages_;
-  std::size_t averages_edits_ = SIZE_MAX;  // of the world's history that they know
-  std::uint64_t averages_restored_ = 0;
+  EditReader averages_edits_;
 };
 
 }  // namespace lobe::view

@@ -100,8 +100,7 @@ MassWatch<Real>::MassWatch(World<Real>& world, double tolerance, OnExceeded on_e
     : tolerance_(tolerance),
       on_exceeded_(std::move(on_exceeded)),
       decay_rate_(0.3 * world.body().damping),
-      edits_(world.journal().edits.size()),
-      restored_(world.body().model.revisions.restored) {
+      edits_(world) {
   const Mode mode = lowest_mode(world.elements(), world.held(), world.body().inertia.mass());
   if (mode.forces.size() == 0) {
     slowness_ = std::numeric_limits<double>::infinity();
@@ -143,10 +142,7 @@ MassReport MassWatch<Real>::look(World<Real>& world, const CommandSink& send) {
   report.exceeded = report.error > tolerance_;
   const bool was_disturbed =
       begins || world.tools().next_grasp_change(world.time() - 2e-9) < world.time() + 1.5 * frame;
-  const std::size_t edits = world.journal().edits.size();
-  const std::uint64_t restored = world.body().model.revisions.restored;
-  const bool is_restored = std::exchange(restored_, restored) != restored;
-  const bool is_cut = std::exchange(edits_, edits) != edits || is_restored;
+  const bool is_cut = edits_.read(world).any();
   if (!was_disturbed)
     for (int degree : world.body().inertia.degrees()) {
       if (is_cut && degree > most_where_cut) break;

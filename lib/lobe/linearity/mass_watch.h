@@ -12,21 +12,19 @@
 #include <limits>
 
 #include "lobe/linearity/command_sink.h"
-#include "lobe/sim/world.h"
+#include "lobe/linearity/watch_report.h"
 
 namespace lobe {
 
-struct MassReport {
-  double time = 0;   // [s]
-  double error = 0;  // estimated L2 error of the displacement, of the largest L2 norm that it has had so far
-  Vec3d place = Vec3d::Zero();  // at rest, of the vertex that accelerated most when it was made [m]
-  bool exceeded = false;        // the tolerance
-  int degree = 1;               // from now on
+struct MassReport : WatchReport {  // `place`: of the vertex that accelerated most when the error was made
+  int degree = 1;                  // from now on
+  static constexpr auto counts = std::tuple();
 };
 
 template <class Real>
 class MassWatch {
  public:
+  using Report = MassReport;
   using OnExceeded = std::function<void(const MassReport&)>;
 
   // Finds the lowest mode of the body at rest, by one sparse factor. If nothing holds the body, masses stay
@@ -51,8 +49,7 @@ class MassWatch {
   double error_ = 0;                                       // that may be left [√kg m]
   Vec3d place_ = Vec3d::Zero();                            // of it
   double largest_ = 0;                                     // norm of the displacement so far [√kg m]
-  std::size_t edits_ = 0;                                  // of the world's, that are known
-  std::uint64_t restored_ = 0;                             // how often it had been restored then
+  EditReader edits_;
   double looking_seconds_ = 0;
 };
 

@@ -44,37 +44,33 @@ Mat3X<double> stiffness_times(Dynamics<Real>& body, const Mat3X<double>& x) {
 
 template <class Real>
 ReducedWatch<Real>::ReducedWatch(const World<Real>& world, ReducedOptions options)
-    : options_(std::move(options)),
-      edits_(world.journal().edits.size()),
-      restored_(world.body().model.revisions.restored),
-      time_(world.time()) {
+    : options_(std::move(options)), edits_(world), time_(world.time()) {
   const LatticeRegion<Real>& region = world.body().regions.reduced();
   if (region.any())
     equation_.emplace(TwoGrid(world.elements(), coarse * region.lattice().frame.edge), world.body().damping);
 }
 
 template <class Real>
-void ReducedWatch<Real>::begin_again_if_restored(const World<Real>& world) {
-  const std::uint64_t restored = world.body().model.revisions.restored;
-  if (std::exchange(restored_, restored) == restored && world.time() >= time_) return;
+void ReducedWatch<Real>::begin_again(const World<Real>& world) {
   time_ = world.time();
   if (next_grid_.valid()) next_grid_.get();
   const double edge = coarse * world.body().regions.reduced().lattice().frame.edge;
   equation_.emplace(TwoGrid(world.elements(), edge), world.body().damping);
-  edits_ = world.journal().edits.size();
   last_ = {};
   begins_ = true;
 }
 
-// After a cut the grid is made anew and factored from a copy in another thread, because that takes as long as
-// some frames.
+// A world that was restored is watched anew. After a cut the grid is made anew and factored from a copy in
+// another thread, because that takes as long as some frames.
 template <class Real>
 void ReducedWatch<Real>::follow_edits(const World<Real>& world) {
   const Elements& elements = world.elements();
+  const EditReader::News news = edits_.read(world);
+  const bool goes_back = news.was_restored || world.time() < time_;
+  if (goes_back) begin_again(world);
   const double edge = coarse * world.body().regions.reduced().lattice().frame.edge;
   if (next_grid_.valid() && world.time() >= grid_due_) equation_->use(next_grid_.get(), elements.topology);
-  const std::size_t edits = world.journal().edits.size();
-  if (std::exchange(edits_, edits) != edits) grid_is_stale_ = true;
+  if (news.has_edits && !goes_back) grid_is_stale_ = true;
   if (!grid_is_stale_ || next_grid_.valid()) return;
   grid_is_stale_ = false;
   grid_due_ = world.time() + grid_delay + grid_delay_per_tet * elements.topology.alive_count();
@@ -156,7 +152,6 @@ ReducedReport ReducedWatch<Real>::look(World<Real>& world, const CommandSink& se
   bool is_new = false;
   ++looks_;
   if (equation_) {
-    begin_again_if_restored(world);
     follow_edits(world);
     const double since = world.time() - time_;
     auto& region = world.body().regions.reduced();

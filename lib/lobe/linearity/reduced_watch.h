@@ -13,16 +13,13 @@
 
 #include "lobe/linearity/command_sink.h"
 #include "lobe/linearity/error_equation.h"
-#include "lobe/sim/world.h"
+#include "lobe/linearity/watch_report.h"
 
 namespace lobe {
 
-struct ReducedReport {
-  double time = 0;   // [s]
-  double error = 0;  // estimated L2 error of the displacement, of the largest L2 norm that it has had so far
-  Vec3d place = Vec3d::Zero();  // at rest, of the vertex with the largest error [m]
-  bool exceeded = false;        // the tolerance
-  Index to_full = 0;            // vertices that it has made full
+struct ReducedReport : WatchReport {  // `place`: of the vertex with the largest error
+  Index to_full = 0;                  // vertices that it has made full
+  static constexpr auto counts = std::make_tuple(std::pair("vertices_to_full", &ReducedReport::to_full));
 };
 
 struct ReducedOptions {
@@ -34,6 +31,7 @@ struct ReducedOptions {
 template <class Real>
 class ReducedWatch {
  public:
+  using Report = ReducedReport;
   static constexpr int frames_between = 2;  // estimates
 
   // Of a world that has no reduced region then, every error is 0, and nothing is computed.
@@ -49,7 +47,7 @@ class ReducedWatch {
   double looking_seconds() const { return looking_seconds_; }  // in all
 
  private:
-  void begin_again_if_restored(const World<Real>& world);
+  void begin_again(const World<Real>& world);
   void follow_edits(const World<Real>& world);
   void estimate(World<Real>& world, double h);
   void measure(World<Real>& world);
@@ -60,9 +58,8 @@ class ReducedWatch {
   std::future<TwoGrid> next_grid_;  // of the mesh as it was when that was begun
   double grid_due_ = 0;             // [s]
   bool grid_is_stale_ = false;
-  std::size_t edits_ = 0;       // of the world's, that are known
-  std::uint64_t restored_ = 0;  // how often it had been restored then
-  bool begins_ = true;          // the error counts from here
+  EditReader edits_;
+  bool begins_ = true;  // the error counts from here
   int looks_ = -1;
   double time_ = 0;     // of the last estimate [s]
   double largest_ = 0;  // norm of the displacement so far [√kg m]

@@ -56,8 +56,7 @@ LinearityWatch<Real>::LinearityWatch(const World<Real>& world, const std::vector
       frames_near_linear_(std::size_t(zones_.count()), 0),
       tet_volume_(tet_volumes(world.elements())),
       volume_(vertex_volumes(world.elements().topology, tet_volume_)),
-      edits_(world.journal().edits.size()),
-      restored_(world.body().model.revisions.restored) {
+      edits_(world) {
   influence_ = std::make_unique<Influence>(world.elements(), zones_, boundary_of(world), grasps_);
   find_shares(world.elements());
   double mass = 0;
@@ -110,9 +109,9 @@ bool LinearityWatch<Real>::follow_cuts(const World<Real>& world) {
   const Elements& elements = world.elements();
   const Topology& topology = elements.topology;
   const History& history = world.journal().edits;
-  const std::uint64_t restored_now = world.body().model.revisions.restored;
-  const bool restored = std::exchange(restored_, restored_now) != restored_now;
-  if (!restored && history.size() == edits_) return false;
+  const EditReader::News news = edits_.read(world);
+  const bool restored = news.was_restored;
+  if (!news.any()) return false;
   std::vector<char> was_cut(std::size_t(zones_.count()), restored);
   const auto mark = [&](Index t) { was_cut[std::size_t(zones_.of[std::size_t(t)])] = 1; };
   const auto known = static_cast<Index>(tet_volume_.size());
@@ -120,7 +119,7 @@ bool LinearityWatch<Real>::follow_cuts(const World<Real>& world) {
   for (Index t = known; t < topology.tet_count(); ++t) mark(t);
   for (auto v = static_cast<Index>(volume_.size()); v < topology.vertex_count(); ++v)
     for (Index t : topology.around(v)) mark(t);
-  for (std::size_t i = std::exchange(edits_, history.size()); i < history.size(); ++i)
+  for (std::size_t i = news.first; i < history.size(); ++i)
     if (const auto* removal = std::get_if<RemoveTets>(&history[i]))
       for (Index t : removal->tets) mark(t);
   tet_volume_.resize(std::size_t(topology.tet_count()));
@@ -338,7 +337,7 @@ void LinearityWatch<Real>::move(const World<Real>& world, const CommandSink& sen
   (model == RegionModel::nonlinear ? report.to_nonlinear : report.to_linear) +=
       static_cast<Index>(tets.size());
   find_shares(world.elements());
-  edits_ = world.journal().edits.size();
+  edits_.read(world);
   frames_near_linear_[std::size_t(zone)] = 0;
 }
 

@@ -14,19 +14,20 @@
 #include "lobe/linearity/command_sink.h"
 #include "lobe/linearity/defect.h"
 #include "lobe/linearity/influence.h"
-#include "lobe/sim/world.h"
+#include "lobe/linearity/watch_report.h"
 
 namespace lobe {
 
-struct LinearityReport {
-  double time = 0;  // [s]
-  // Estimated L2 error of the displacement, relative to its largest L2 norm so far [-]; 0 while expanded.
-  double error = 0;
-  double worst = 0;                       // the largest mean displacement error of a zone [m]
-  Vec3d place = Vec3d::Zero();            // a point in that zone, at rest [m]
-  bool exceeded = false;                  // the tolerance
+struct LinearityReport : WatchReport {  // its error is 0 while the pre-computed region is expanded
+  double worst = 0;                     // the largest mean displacement error of a zone, that of `place` [m]
   Index to_nonlinear = 0, to_linear = 0;  // tetrahedra that changed their model
   bool is_expanded = false;               // the pre-computed region
+
+  // By the keys of the report of a run, which has the sums over its frames.
+  static constexpr auto counts =
+      std::tuple(std::pair("frames_expanded", &LinearityReport::is_expanded),
+                 std::pair("tetrahedra_to_nonlinear", &LinearityReport::to_nonlinear),
+                 std::pair("tetrahedra_to_linear", &LinearityReport::to_linear));
 };
 
 struct LinearityOptions {
@@ -42,6 +43,8 @@ struct LinearityOptions {
 template <class Real>
 class LinearityWatch {
  public:
+  using Report = LinearityReport;
+
   // One factor and three solves per zone. `grasps` are the vertices of the setup's grasps.
   LinearityWatch(const World<Real>& world, const std::vector<std::vector<Index>>& grasps,
                  LinearityOptions options);
@@ -103,9 +106,8 @@ class LinearityWatch {
   std::vector<Index> holding_;           // grasps that hold
   double time_ = 0;                      // of the last estimate [s]
   int frames_condensable_ = 0;           // frames since which the region could have been condensed
-  std::size_t edits_ = 0;                // of the world's, that are known
-  std::uint64_t restored_ = 0;           // how often it had been restored then
-  double largest_ = 0;                   // norm so far [m^2.5]
+  EditReader edits_;
+  double largest_ = 0;  // norm so far [m^2.5]
   double looking_seconds_ = 0;
   int looks_ = 0;
   LinearityReport last_;

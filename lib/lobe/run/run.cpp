@@ -29,8 +29,7 @@ double seconds_since(Clock::time_point start) {
 
 template <class Real>
 bool play(World<Real>& world, const Scene& scene, const Resolved& resolved, const RunOptions& options,
-          FrameWriter& frame_writer, Totals& totals, LinearityResults<Real>& watched,
-          MassResults<Real>& masses, ReducedResults<Real>& reduced) {
+          FrameWriter& frame_writer, Totals& totals, WatchResults<Real>& watches) {
   const Frames frames = frames_of(scene.time);
   const auto record = [&](bool last) {
     const Clock::time_point start = Clock::now();
@@ -46,11 +45,7 @@ bool play(World<Real>& world, const Scene& scene, const Resolved& resolved, cons
   std::optional<CommandRecorder<Real>> recorded;
   if (!options.record.empty()) recorded.emplace(world);
   bool ok = true;
-  const auto look = [&] {
-    watched.look(world, recorded ? &*recorded : nullptr);
-    masses.look(world, recorded ? &*recorded : nullptr);
-    reduced.look(world, recorded ? &*recorded : nullptr);
-  };
+  const auto look = [&] { watches.look(world, recorded ? &*recorded : nullptr); };
   look();
   for (int i = 0; i < frames.count && ok; ++i) {
     const Clock::time_point start = Clock::now();
@@ -93,13 +88,10 @@ RunResult run(const Scene& scene, const Resolved& resolved, const RunOptions& op
   result.warnings = resolved.warnings;
   const Json regions = region_counts(world.elements());
   const double limit = world.time_step_limit();
-  LinearityResults<Real> watched(world, scene, resolved);
-  MassResults<Real> masses(world, scene);
-  ReducedResults<Real> reduced(world, scene);
-  result.ok = play(world, scene, resolved, options, frame_writer, totals, watched, masses, reduced);
+  WatchResults<Real> watches(world, scene, resolved);
+  result.ok = play(world, scene, resolved, options, frame_writer, totals, watches);
   result.picture_request = frame_writer.finish();
-  for (const std::string& warning : {watched.warning(), masses.warning(), reduced.warning()})
-    if (!warning.empty()) result.warnings.push_back(warning);
+  for (const std::string& warning : watches.warnings()) result.warnings.push_back(warning);
   result.warnings.insert(result.warnings.end(), totals.warnings.begin(), totals.warnings.end());
   Json report{
       {"ok", result.ok},
@@ -129,12 +121,7 @@ RunResult run(const Scene& scene, const Resolved& resolved, const RunOptions& op
       {"cuts", totals.cuts},
       {"series", totals.series}};
   add_parts_in_use(report, world, scene, resolved, totals);
-  if (watched.any()) report["linearity"] = watched.json();
-  if (const std::optional<Json> seen = masses.json()) report["selective_mass"] = *seen;
-  if (const std::optional<Json> seen = reduced.json()) {
-    report["reduced"] = *seen;
-    report["reduced"]["transitions"] = totals.transitions;
-  }
+  watches.add_to(report, totals.transitions);
   result.report = options.directory / "report.json";
   io::write_file(result.report, report.dump(1, ' ', false, Json::error_handler_t::replace) + '\n');
   result.summary = summary_of(report);

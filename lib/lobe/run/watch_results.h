@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "lobe/linearity/mass_watch.h"
@@ -21,152 +22,121 @@ inline std::string place_in_words(const Vec3d& place) {
   return "at [" + rounded(place[0]) + ", " + rounded(place[1]) + ", " + rounded(place[2]) + "] m";
 }
 
-// Collects what the watch of automatic linear regions reports.
-template <class Real>
-class LinearityResults {
+// What one watch has reported, if there is one.
+template <class Watch>
+class Watched {
  public:
-  LinearityResults(const World<Real>& world, const Scene& scene, const Resolved& resolved) {
-    if (!scene.auto_regions || scene.corrects_masses() || world.body().regions.any_reduced()) return;
-    tolerance_ = scene.auto_regions->tolerance;
-    corrects_ = scene.auto_regions->correct;
-    std::vector<std::vector<Index>> grasps;
-    for (const GraspSetup& grasp : resolved.setup.grasps) {
-      grasps.push_back(grasp.vertices);
-      std::erase_if(grasps.back(), [&](Index v) { return v >= resolved.setup.mesh.vertex_count(); });
-    }
-    watch_.emplace(world, grasps, LinearityOptions{tolerance_, corrects_});
+  template <class... Arguments>
+  void begin(Arguments&&... arguments) {
+    watch_.emplace(std::forward<Arguments>(arguments)...);
+    visit_counts([&](const char* key, auto) { counts_[key] = 0; });
   }
-
-  void look(World<Real>& world, CommandRecorder<Real>* recorded) {
-    if (!watch_) return;
-    const LinearityReport seen = recorded ? watch_->look(world, sink_of(*recorded)) : watch_->look(world);
-    expanded_ += seen.is_expanded;
-    if (seen.error > worst_.error) worst_ = seen;
-    exceeded_ += seen.exceeded;
-    to_nonlinear_ += seen.to_nonlinear;
-    to_linear_ += seen.to_linear;
-    series_.push_back({{"time", seen.time}, {"error", seen.error}});
-  }
-
   bool any() const { return watch_.has_value(); }
-  std::string warning() const {
-    if (worst_.error <= tolerance_) return "";
-    return "the error of linear regions was estimated at up to " + rounded(100 * worst_.error) + " % at " +
-           rounded(worst_.time) + " s, most " + place_in_words(worst_.place) + "; declare that gesture" +
-           (corrects_ ? "" : ", or set \"correct\"");
-  }
-  nlohmann::ordered_json json() const {
-    return {{"worst_error", worst_.error},
-            {"worst_time", worst_.time},
-            {"worst_place", {worst_.place[0], worst_.place[1], worst_.place[2]}},
-            {"frames_exceeded", exceeded_},
-            {"frames_expanded", expanded_},
-            {"tetrahedra_to_nonlinear", to_nonlinear_},
-            {"tetrahedra_to_linear", to_linear_},
-            {"looking_s", watch_->looking_seconds()},
-            {"series", series_}};
-  }
 
- private:
-  std::optional<LinearityWatch<Real>> watch_;
-  double tolerance_ = 0;
-  bool corrects_ = false;
-  LinearityReport worst_;
-  int exceeded_ = 0, expanded_ = 0;
-  Index to_nonlinear_ = 0, to_linear_ = 0;
-  nlohmann::ordered_json series_ = nlohmann::ordered_json::array();
-};
-
-// Collects what the watch of selective masses reports.
-template <class Real>
-class MassResults {
- public:
-  MassResults(World<Real>& world, const Scene& scene) {
-    if (!scene.corrects_masses() || world.body().regions.any_reduced()) return;
-    tolerance_ = scene.auto_regions->tolerance;
-    watch_.emplace(world, tolerance_);
-  }
-
+  template <class Real>
   void look(World<Real>& world, CommandRecorder<Real>* recorded) {
     if (!watch_) return;
     if (!series_.empty()) ++frames_[std::to_string(world.body().inertia.degree())];  // of the frame before
-    const MassReport seen = recorded ? watch_->look(world, sink_of(*recorded)) : watch_->look(world);
+    const auto seen = recorded ? watch_->look(world, sink_of(*recorded)) : watch_->look(world);
     if (seen.error > worst_.error) worst_ = seen;
     exceeded_ += seen.exceeded;
-    series_.push_back({{"time", seen.time}, {"error", seen.error}, {"degree", seen.degree}});
+    visit_counts([&](const char* key, auto member) { counts_[key] += static_cast<long long>(seen.*member); });
+    series_.push_back({{"time", seen.time}, {"error", seen.error}});
+    if constexpr (has_degrees) series_.back()["degree"] = seen.degree;
   }
 
-  std::string warning() const {
-    if (worst_.error <= tolerance_) return "";
-    return "the error of selective masses was estimated at up to " + rounded(100 * worst_.error) + " % at " +
-           rounded(worst_.time) + " s, most " + place_in_words(worst_.place) +
-           "; a lower selective_mass or tolerance may help";
+  // Empty if no error was above the tolerance.
+  std::string warning(const std::string& of_what, double tolerance, const std::string& remedy) const {
+    if (worst_.error <= tolerance) return "";
+    return "the error of " + of_what + " was estimated at up to " + rounded(100 * worst_.error) + " % at " +
+           rounded(worst_.time) + " s, most " + place_in_words(worst_.place) + "; " + remedy;
   }
-  std::optional<nlohmann::ordered_json> json() const {
-    if (!watch_) return {};
-    return nlohmann::ordered_json{{"worst_error", worst_.error},
-                                  {"worst_time", worst_.time},
-                                  {"worst_place", {worst_.place[0], worst_.place[1], worst_.place[2]}},
-                                  {"frames_exceeded", exceeded_},
-                                  {"frames_by_degree", frames_},
-                                  {"looking_s", watch_->looking_seconds()},
-                                  {"series", series_}};
+  nlohmann::ordered_json json() const {
+    nlohmann::ordered_json all{{"worst_error", worst_.error},
+                               {"worst_time", worst_.time},
+                               {"worst_place", {worst_.place[0], worst_.place[1], worst_.place[2]}},
+                               {"frames_exceeded", exceeded_}};
+    visit_counts([&](const char* key, auto) { all[key] = counts_.at(key); });
+    if constexpr (has_degrees) all["frames_by_degree"] = frames_;
+    all["looking_s"] = watch_->looking_seconds();
+    all["series"] = series_;
+    return all;
   }
 
  private:
-  std::optional<MassWatch<Real>> watch_;
-  double tolerance_ = 0;
-  MassReport worst_;
+  using Report = typename Watch::Report;
+  static constexpr bool has_degrees = requires(Report report) { report.degree; };
+  template <class Visit>
+  static void visit_counts(Visit&& visit) {
+    std::apply([&](const auto&... count) { (visit(count.first, count.second), ...); }, Report::counts);
+  }
+
+  std::optional<Watch> watch_;
+  Report worst_;
   int exceeded_ = 0;
+  std::map<std::string, long long> counts_;
   std::map<std::string, int> frames_;
   nlohmann::ordered_json series_ = nlohmann::ordered_json::array();
 };
 
-// Collects what the watch of reduced regions reports.
 template <class Real>
-class ReducedResults {
+class WatchResults {
  public:
-  ReducedResults(const World<Real>& world, const Scene& scene)
-      : tolerance_(scene.reduced_tolerance().value_or(ReducedOptions{}.tolerance)),
-        corrects_(scene.reduced_tolerance().has_value()) {
-    if (world.body().regions.any_reduced()) watch_.emplace(world, ReducedOptions{tolerance_, corrects_});
+  WatchResults(World<Real>& world, const Scene& scene, const Resolved& resolved)
+      : tolerance_(scene.auto_regions ? scene.auto_regions->tolerance : 0),
+        corrects_(scene.auto_regions && scene.auto_regions->correct),
+        reduced_tolerance_(scene.reduced_tolerance().value_or(ReducedOptions{}.tolerance)),
+        corrects_reduced_(scene.reduced_tolerance().has_value()) {
+    if (world.body().regions.any_reduced())
+      reduced_.begin(world, ReducedOptions{reduced_tolerance_, corrects_reduced_});
+    else if (scene.corrects_masses())
+      masses_.begin(world, tolerance_);
+    else if (scene.auto_regions)
+      linear_.begin(world, grasped(resolved.setup), LinearityOptions{tolerance_, corrects_});
   }
 
   void look(World<Real>& world, CommandRecorder<Real>* recorded) {
-    if (!watch_) return;
-    const ReducedReport seen = recorded ? watch_->look(world, sink_of(*recorded)) : watch_->look(world);
-    if (seen.error > worst_.error) worst_ = seen;
-    exceeded_ += seen.exceeded;
-    to_full_ += seen.to_full;
-    series_.push_back({{"time", seen.time}, {"error", seen.error}});
+    linear_.look(world, recorded);
+    masses_.look(world, recorded);
+    reduced_.look(world, recorded);
   }
 
-  std::string warning() const {
-    if (worst_.error <= tolerance_) return "";
-    return "the error of reduced regions was estimated at up to " + rounded(100 * worst_.error) + " % at " +
-           rounded(worst_.time) + " s, most " + place_in_words(worst_.place) +
-           "; a smaller \"cell\", or \"nonlinear\" there, may help" +
-           (corrects_ ? "" : ", or a \"tolerance\" above which it is corrected");
+  std::vector<std::string> warnings() const {
+    std::vector<std::string> found{
+        linear_.warning("linear regions", tolerance_,
+                        std::string("declare that gesture") + (corrects_ ? "" : ", or set \"correct\"")),
+        masses_.warning("selective masses", tolerance_, "a lower selective_mass or tolerance may help"),
+        reduced_.warning("reduced regions", reduced_tolerance_,
+                         std::string("a smaller \"cell\", or \"nonlinear\" there, may help") +
+                             (corrects_reduced_ ? "" : ", or a \"tolerance\" above which it is corrected"))};
+    std::erase(found, "");
+    return found;
   }
-  std::optional<nlohmann::ordered_json> json() const {
-    if (!watch_) return {};
-    return nlohmann::ordered_json{{"worst_error", worst_.error},
-                                  {"worst_time", worst_.time},
-                                  {"worst_place", {worst_.place[0], worst_.place[1], worst_.place[2]}},
-                                  {"frames_exceeded", exceeded_},
-                                  {"vertices_to_full", to_full_},
-                                  {"looking_s", watch_->looking_seconds()},
-                                  {"series", series_}};
+  void add_to(nlohmann::ordered_json& report, const nlohmann::ordered_json& transitions) const {
+    if (linear_.any()) report["linearity"] = linear_.json();
+    if (masses_.any()) report["selective_mass"] = masses_.json();
+    if (!reduced_.any()) return;
+    report["reduced"] = reduced_.json();
+    report["reduced"]["transitions"] = transitions;
   }
 
  private:
-  double tolerance_;  // above which there is a warning
+  static std::vector<std::vector<Index>> grasped(const Setup& setup) {
+    std::vector<std::vector<Index>> grasps;
+    for (const GraspSetup& grasp : setup.grasps) {
+      grasps.push_back(grasp.vertices);
+      std::erase_if(grasps.back(), [&](Index v) { return v >= setup.mesh.vertex_count(); });
+    }
+    return grasps;
+  }
+
+  double tolerance_;
   bool corrects_;
-  std::optional<ReducedWatch<Real>> watch_;
-  ReducedReport worst_;
-  int exceeded_ = 0;
-  Index to_full_ = 0;
-  nlohmann::ordered_json series_ = nlohmann::ordered_json::array();
+  double reduced_tolerance_;  // above which there is a warning
+  bool corrects_reduced_;
+  Watched<LinearityWatch<Real>> linear_;
+  Watched<MassWatch<Real>> masses_;
+  Watched<ReducedWatch<Real>> reduced_;
 };
 
 }  // namespace lobe

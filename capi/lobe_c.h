@@ -166,8 +166,7 @@ typedef struct lobe_surface {
   const float* position; /* 3 per vertex */
   const float* normal;   /* 3 per vertex, unit length, outwards */
   const uint32_t* index; /* 3 per triangle, counter-clockwise seen from outside in right-handed axes */
-  const uint8_t* region; /* per triangle: 0 tensor-mass, 1 precomputed, 2 nonlinear, 3 reduced,
-                            4 corotational */
+  const uint8_t* region; /* per triangle: the number of its model (docs/guide/regions.md) */
   const uint8_t* cut;    /* per triangle: 1 where a cut has made it */
   void* owner;           /* of the buffers */
 } lobe_surface;

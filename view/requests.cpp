@@ -22,6 +22,12 @@ std::optional<RegionModel> model_of(const std::string& word) {
   return std::nullopt;
 }
 
+std::string names_of_models() {
+  std::string names;
+  for (const char* name : region_model_names) names += std::string(name) + ", ";
+  return names;
+}
+
 void check_length(double length, const char* place) {
   constexpr double largest = 1;  // [m]
   if (!(length > 0) || length > largest) throw InputError(place, "must be above 0 and at most 1 m");
@@ -201,8 +207,7 @@ void Viewer::perform(ClientId, const request::Paint& what) {
   else if (what.as == "held" || what.as == "free")
     painting().hold(what.at, what.radius, what.as == "held");
   else
-    throw InputError("/as",
-                     "must be nonlinear, tensor-mass, corotational, precomputed, reduced, held or free");
+    throw InputError("/as", "must be " + names_of_models() + "held or free");
   repainted();
 }
 

@@ -22,8 +22,7 @@ namespace Lobe {
     public double Time;            // [s]
     public float[] Positions = new float[0], Normals = new float[0];  // 3 per vertex
     public int[] Indices = new int[0];                                // 3 per triangle
-    public byte[] Regions =
-        new byte[0];  // per triangle: 0 tensor-mass, 1 precomputed, 2 nonlinear, 3 reduced, 4 corotational
+    public byte[] Regions = new byte[0];  // per triangle: the number of its model (docs/guide/regions.md)
     public byte[] Cut = new byte[0];  // per triangle: 1 where a cut has made it
   }
 

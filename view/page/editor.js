@@ -2,7 +2,7 @@
 import {css, heldColour, materialColours, models} from './colours.js';
 
 const brushes = [
-  ...[2, 3, 4, 0, 1].map(i => ({...models[i], model: i})),
+  ...models.map((model, i) => ({...model, model: i})),
   {key: 'held', name: 'Held', note: 'the skin that does not move', colour: heldColour},
   {key: 'free', name: 'Let free', note: 'the skin moves again', colour: [0.45, 0.47, 0.48]},
 ];

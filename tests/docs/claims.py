@@ -200,7 +200,7 @@ TABLES = {"reduced": table_reduced, "reduced-setup": table_reduced_setup, "frequ
           "haptic_touch": lambda: table_haptic("touch"), "haptic_fine": table_haptic_fine, "palpation": table_palpation,
           "elements": table_elements, "huge": table_huge, "live": table_live, "realtime": table_realtime, "hybrid": table_hybrid,
           "gestures": table_gestures, "gestures-meshes": table_gestures_meshes}
-TABLE = re.compile(r"(<!-- table: ([\w-]+) -->\n)((?:(?!<!--).)*)(<!-- end -->)", re.S)  # empty where it is new
+TABLE = re.compile(r"(<!-- table: ([\w-]+) -->\n)((?:(?!<!--).)*)(<!-- end -->)", re.S)  # may be empty
 
 
 def squeezed(text):

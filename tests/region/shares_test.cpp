@@ -67,6 +67,14 @@ TEST_CASE("so it is with fibres, in every region, and with a neo-Hookean materia
   check_that_doubled_is_the_same(clamped(neo_hookean_setup(irregular_box())));
 }
 
+TEST_CASE("so it is with smoothed edges, alone and with volume term and guard") {
+  Setup setup = clamped(smoothed(setup_of(irregular_box())));
+  check_that_doubled_is_the_same(setup);
+  setup.volume_penalty = 1e5;
+  setup.guard_below = 0.3;
+  check_that_doubled_is_the_same(setup);
+}
+
 TEST_CASE("so it is with nodal pressure") {
   check_that_doubled_is_the_same(clamped(averaged(hybrid_setup(irregular_box()))));
 }

@@ -86,7 +86,8 @@ template <class T>
 
 // Sets the forces of the tetrahedra of a block on all vertices but the first [N]. With e, p, r from the first
 // vertex to the second and to neighbours of the chain, 6 J V = e · (p × r), the derivatives of which are
-// cross products. J − 1 is found from the difference to the same product at rest: it is 0 there exactly.
+// cross products, and W = φ V ψ(J). J − 1 is found from the difference to the same product at rest (E, P, R):
+// it is 0 there exactly.
 template <class T, class Real>
 LOBE_FLATTEN [[gnu::noinline]] void find_tet_forces(const SmoothedArrays<Real>& patch, Index b, int first,
                                                     Vec3<T>* f) {
@@ -96,20 +97,23 @@ LOBE_FLATTEN [[gnu::noinline]] void find_tet_forces(const SmoothedArrays<Real>& 
   const Real* u = &patch.u->xyz0[0];
   const Law<T> law = patch.law.template as<T>();
   const Vec3<T> origin = PaddedVectors<T>::load(u, &numbers[0][first]);
-  const auto from_first = [&](Index row) __attribute__((always_inline)) {
-    Vec3<T> x = PaddedVectors<T>::load(u, &numbers[row + 1][first]) - origin;
-    for (int d = 0; d < 3; ++d) x[d] += T(&rows[row].X[d][first]);
-    return x;
+  const auto at_rest = [&](Index row) __attribute__((always_inline)) {
+    return Vec3<T>(T(&rows[row].X[0][first]), T(&rows[row].X[1][first]), T(&rows[row].X[2][first]));
   };
-  const Vec3<T> e = from_first(0);
-  Vec3<T> p = from_first(1), p_turned = cross(e, p), f_e = Vec3<T>::Constant(T(0)), f_p = f_e;
+  const auto moved = [&](Index row, const Vec3<T>& X) __attribute__((always_inline)) {
+    return Vec3<T>(PaddedVectors<T>::load(u, &numbers[row + 1][first]) - origin + X);
+  };
+  const Vec3<T> E = at_rest(0), e = moved(0, E);
+  Vec3<T> P = at_rest(1), p = moved(1, P), p_turned = cross(e, p), f_e = Vec3<T>::Constant(T(0)), f_p = f_e;
   for (Index i = 2; i < block.places + 2; ++i) {
-    const Vec3<T> r = from_first(i), r_turned = cross(e, r), c = cross(p, r);
-    const T v = (dot(e, c) - T(&rows[i].six_V[first])) * T(&rows[i].per_six_V[first]);
-    const T slope = volume_slope(law, v) * T(Real(-1.0 / 6));
+    const Vec3<T> R = at_rest(i), r = moved(i, R), r_turned = cross(e, r), c = cross(p, r);
+    const T six_V(&rows[i].six_V[first]), per_six_V(&rows[i].per_six_V[first]);  // the former times φ
+    const T v = (dot(e, c) - dot(E, cross(P, R))) * per_six_V;
+    const T slope = volume_slope(law, v) * (six_V * per_six_V * T(Real(-1.0 / 6)));
     f_e += c * slope;
     f[i] = f_p - r_turned * slope;
     f_p = p_turned * slope;
+    P = R;
     p = r;
     p_turned = r_turned;
   }

@@ -14,10 +14,8 @@ namespace lobe {
 
 namespace {
 
-template <class Real>
-Real triple_product(const Vec3<Real>& e, const Vec3<Real>& p, const Vec3<Real>& r) {
-  return e[0] * (p[1] * r[2] - p[2] * r[1]) + e[1] * (p[2] * r[0] - p[0] * r[2]) +
-         e[2] * (p[0] * r[1] - p[1] * r[0]);
+std::string edge_name(const SmoothedEdge& edge) {
+  return "edge from vertex " + std::to_string(edge.vertices[0]) + " to " + std::to_string(edge.vertices[1]);
 }
 
 }  // namespace
@@ -30,10 +28,9 @@ std::vector<typename SmoothedPatches<Real>::Layout::Item> SmoothedPatches<Real>:
     const SmoothedEdge& edge = edges_[e];
     if (!(edge.volume > 0)) continue;
     if (static_cast<Index>(edge.vertices.size()) > patch_vertices)
-      throw InputError(
-          "edge from vertex " + std::to_string(edge.vertices[0]) + " to " + std::to_string(edge.vertices[1]),
-          "its tetrahedra have " + std::to_string(edge.vertices.size()) + " vertices, of at most " +
-              std::to_string(patch_vertices) + " that \"element\": \"edge-smoothed\" takes");
+      throw InputError(edge_name(edge), "its tetrahedra have " + std::to_string(edge.vertices.size()) +
+                                            " vertices, of at most " + std::to_string(patch_vertices) +
+                                            " that \"element\": \"edge-smoothed\" takes");
     items.push_back({e, edge.vertices, edge.material});
   }
   return items;
@@ -105,6 +102,8 @@ std::vector<typename SmoothedPatches<Real>::Domain> SmoothedPatches<Real>::domai
     domain.slot = slot++;
     const Index e = layout_.id_of(domain.slot);
     find_tet_chain(elements.topology, edges_[e], owners_.of(e), domain.chain);
+    if (domain.chain.order.size() > std::size_t(domain_rows))
+      throw InputError(edge_name(edges_[e]), "too many copies of tetrahedra share it");
   }
   const auto rank = [](const Domain& domain) {
     return std::tuple(!domain.chain.tets.empty(), domain.chain.order.size(), domain.chain.tets.size());
@@ -144,7 +143,7 @@ void SmoothedPatches<Real>::write(const Elements& elements, Index p) {
   }
 }
 
-// A vertex that is there twice has its gradient once.
+// A vertex that is there again has its gradient once.
 template <class Real>
 void SmoothedPatches<Real>::write_lane(Patch& patch, Index b, int lane, const Domain& domain) const {
   const Index number = layout_.id_of(domain.slot);
@@ -167,7 +166,6 @@ void SmoothedPatches<Real>::write_lane(Patch& patch, Index b, int lane, const Do
     patch.node_rows[b].nodes[end][lane] = pressures_.of(number)[end];
 }
 
-// 6V by the arithmetic of the kernel.
 template <class Real>
 void SmoothedPatches<Real>::write_chain(const Elements& elements, Patch& patch, Index b, int lane,
                                         const Domain& domain) const {
@@ -179,14 +177,13 @@ void SmoothedPatches<Real>::write_chain(const Elements& elements, Patch& patch, 
     return (elements.points.col(v) - elements.points.col(edge.vertices[0])).template cast<Real>();
   };
   ChainRow<Real>* rows = &patch.chains[patch.blocks[b].chain];
-  const Vec3<Real> e = from_first(1);
   for (std::size_t j = 1; j < chain.tets.size() + 3; ++j) {
-    const Vec3<Real> r = from_first(j);
-    for (int d = 0; d < 3; ++d) rows[j - 1].X[d][lane] = r[d];
+    const Vec3<Real> X = from_first(j);
+    for (int d = 0; d < 3; ++d) rows[j - 1].X[d][lane] = X[d];
     const Index tet = j < 3 ? -1 : chain.tets[j - 3];
     if (tet < 0) continue;
-    rows[j - 1].six_V[lane] = triple_product(e, from_first(j - 1), r);
-    rows[j - 1].per_six_V[lane] = static_cast<Real>(1 / (6 * elements.volume(tet)));
+    rows[j - 1].six_V[lane] = static_cast<Real>(6 * elements.volume(tet));
+    rows[j - 1].per_six_V[lane] = static_cast<Real>(elements.share_of(tet) / (6 * elements.volume(tet)));
   }
 }
 

@@ -1,11 +1,22 @@
 #include "lobe/region/tet_owners.h"
 
 #include <algorithm>
+#include <string>
 
-#include "lobe/assert.h"
+#include "lobe/error.h"
+#include "lobe/region/smoothed_kernels.h"
 #include "lobe/sort_unique.h"
 
 namespace lobe {
+namespace {
+
+// How many more tetrahedra a domain may have: each has at most two vertices that are there again.
+Index room(const SmoothedEdge& edge, std::span<const Index> tets) {
+  const Index rows = domain_rows - static_cast<Index>(edge.vertices.size());
+  return std::max<Index>(0, rows / 2 - static_cast<Index>(tets.size()));
+}
+
+}  // namespace
 
 // Greedily: the domain that can take most comes next, of several the one of the lowest number.
 void TetOwners::follow(const SmoothedEdges& edges, const std::vector<Index>& leave,
@@ -23,30 +34,37 @@ void TetOwners::follow(const SmoothedEdges& edges, const std::vector<Index>& lea
     for (Index e : edges.of(t)) candidates.push_back(e);
   }
   sort_unique(candidates);
-  const auto without_owner = [&](Index e) {
+  const auto could_take = [&](Index e) {
     const std::span<const Index> around = edges.tets_of(e);
-    return static_cast<std::size_t>(
-        std::count_if(around.begin(), around.end(), [&](Index t) { return owner_[t] < 0; }));
+    const auto without_owner =
+        std::count_if(around.begin(), around.end(), [&](Index t) { return owner_[t] < 0; });
+    return std::size_t(std::min<std::ptrdiff_t>(without_owner, room(edges[e], of(e))));
   };
   std::vector<std::vector<Index>> by_count(1);
   const auto list = [&](Index e, std::size_t count) {
     if (by_count.size() <= count) by_count.resize(count + 1);
     by_count[count].push_back(e);
   };
-  for (Index e : candidates) list(e, without_owner(e));
+  for (Index e : candidates) list(e, could_take(e));
   for (std::size_t count = by_count.size() - 1; count > 0; --count)
     for (Index e : by_count[count]) {
-      const std::size_t left = without_owner(e);
+      const std::size_t left = could_take(e);
       if (left == count)
         give(edges, e);
       else
         list(e, left);  // before this one
     }
+  for (Index t : enter)
+    if (edges.of(t)[0] >= 0 && owner_[t] < 0)
+      throw InputError("tetrahedron " + std::to_string(t),
+                       "too many tetrahedra share its edges for \"element\": \"edge-smoothed\"");
 }
 
 void TetOwners::give(const SmoothedEdges& edges, Index edge) {
+  Index left = room(edges[edge], of(edge));
   for (Index t : edges.tets_of(edge)) {
     if (owner_[t] >= 0) continue;
+    if (left-- == 0) return;
     owner_[t] = edge;
     tets_of_.append(edge, t);
   }
@@ -73,7 +91,7 @@ std::pair<Index, Index> across(const Eigen::Vector4i& corners, Index a, Index b)
 
 }  // namespace
 
-// Each vertex of the ring is the first of one tetrahedron at most, and the second of one.
+// Each vertex of the ring is the first of one tetrahedron at most, and the second of one, but for copies.
 void find_tet_chain(const Topology& topology, const SmoothedEdge& edge, std::span<const Index> tets,
                     TetChain& chain) {
   struct Link {

@@ -74,14 +74,15 @@ class Comparison {
     StaticOptions solver;
     solver.factor = factor_;
     const StaticResult on_mesh = solve_static(plain, solver);
+    error.trouble = on_mesh.reason;
+    if (!on_mesh.converged) return error;
     make_nonlinear(plain);
-    Mat3X<double> start = mesh_.joined_linearly(on_mesh.u);
+    const Mat3X<double> start = mesh_.joined_linearly(on_mesh.u);
     solver.start = &start;
     const StaticEquations equations = quadratic_equations(plain, mesh_);
     const StaticResult on_nodes = solve_static_quadratic(plain, mesh_, equations, solver);
-    for (const StaticResult* one : {&on_mesh, &on_nodes})
-      if (!one->converged) error.trouble = one->reason;
-    if (!error.trouble.empty()) return error;
+    error.trouble = on_nodes.reason;
+    if (!on_nodes.converged) return error;
     const std::vector<char> moved = nodes_of(load.moved, mesh_);
     const std::vector<char> at_vertices(moved.begin(), moved.begin() + mesh_.vertices);
     const Solved found{refined_.prolongate(on_mesh.u), sum_at(on_mesh.reactions, at_vertices).norm()},

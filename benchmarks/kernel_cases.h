@@ -36,7 +36,7 @@ struct Specimen {
   Setup setup;
   Mat3X<double> u;  // [m]
   std::vector<ReferenceTet> reference;
-  // Forces by the reference kernel [N], two of smoothed ones by the solvers.
+  // Forces by the reference kernel [N]; `linear_smoothed` and `corotational_smoothed` by the solvers.
   Mat3X<double> svk, linear, linear_smoothed, svk_volume, svk_nodal_pressure, svk_smoothed,
       svk_smoothed_volume, svk_smoothed_pressure, svk_fibre, neo_hookean, yeoh, corotational,
       corotational_smoothed;

@@ -230,11 +230,7 @@ int info(const InfoOptions& options) {
 std::function<Setup(const TetMesh&)> on_other_meshes(Scene scene) {
   scene.mesh_scale = 1;
   return [scene](const TetMesh& mesh) {
-    bool is_by_file = !scene.bodies.empty() || selects_by_number(scene);
-    for_each_selector(scene, [&](const Selector& selector, bool) {
-      is_by_file = is_by_file || std::holds_alternative<SelectSurface>(selector.value);
-    });
-    if (is_by_file)
+    if (!scene.bodies.empty() || !selects_by_place(scene))
       throw InputError(scene.file.string(), "selects by numbers or names of its mesh, not by places alone");
     return resolve(scene, mesh, {false, {}}).setup;
   };

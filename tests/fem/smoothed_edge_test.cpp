@@ -62,14 +62,26 @@ TEST_CASE(
 }
 
 TEST_CASE("volume term and guard are left to each tetrahedron, the rest of the law to the domains") {
-  Elastic elastic{4e4, 1e4, 1000};
+  Setup setup = setup_of(irregular_box(1));
+  setup.volume_penalty = 1e5;
+  setup.guard_below = 0.2;
+  const Elements elements(setup);
+  const Elastic plain{4e4, 1e4, 1000};
+  Elastic elastic = plain;
   elastic.element = ElementType::edge_smoothed;
-  const Law<double> own = unsmoothed_law(elastic, 1e5, 0.2);
+  const Law<double> own = unsmoothed_law(elements, elastic, RegionModel::nonlinear);
   CHECK(own.terms == Terms{.solid = MaterialLaw::none, .volume = true, .guard = true});
   CHECK(own.kappa == 1e5);
   CHECK(own.guard_modulus == 6e4);
   CHECK(own.lambda == 0);
   CHECK(own.mu == 0);
-  elastic.element = ElementType::tetrahedron;
-  CHECK(unsmoothed_law(elastic, 1e5, 0.2).terms == nonlinear_law(elastic, 1e5, 0.2).terms);
+  CHECK(unsmoothed_law(elements, plain, RegionModel::nonlinear).terms ==
+        nonlinear_law(plain, 1e5, 0.2).terms);
+  CHECK(unsmoothed_law(elements, elastic, RegionModel::corotational).terms ==
+        Terms{.solid = MaterialLaw::none});
+  SmoothedEdge edge;
+  edge.model = RegionModel::corotational;
+  CHECK(smoothed_law(elements, edge).terms == Terms{.solid = MaterialLaw::corotational});
+  edge.model = RegionModel::nonlinear;
+  CHECK(smoothed_law(elements, edge).terms == Terms{});
 }

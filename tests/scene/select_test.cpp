@@ -6,6 +6,7 @@
 #include "lobe/error.h"
 #include "lobe/mesh/generators.h"
 #include "lobe/scene/bind_groups.h"
+#include "lobe/scene/each_selector.h"
 #include "lobe/scene/read_scene.h"
 #include "lobe/scene/write_scene.h"
 
@@ -209,4 +210,24 @@ TEST_CASE("a patch is the part of the boundary that turns little from the face n
   CHECK(faces({SelectAnyOf{{end, {SelectPatch{{2, -1, 1}, 40}}}}}) == 2 * 2 * 2 + 2 * 4 * 2);
   CHECK(faces({SelectAllOf{{end, {SelectBox{{4, 0, 0}, {4, 1, 2}}}}}}) == 2 * 2);
   CHECK(tets(end) == 2 * 2 * 2);
+}
+
+TEST_CASE("a scene selects by place if no part of a selector counts or names what its mesh has") {
+  const auto holding = [](const Selector& where) {
+    Scene scene;
+    scene.boundary.emplace_back();
+    scene.boundary[0].where = where;
+    return scene;
+  };
+  const Selector box = {SelectBox{{0, 0, 0}, {1, 1, 1}}};
+  const auto beside_box = [&](const Selector& part) {
+    return Selector{SelectAnyOf{{box, {SelectAllOf{{box, negation(part)}}}}}};
+  };
+  CHECK(selects_by_place(holding(beside_box(everything))));
+  for (const Selector& part : {Selector{SelectSurface{{"capsule"}}}, Selector{SelectVertices{{1, 2}}},
+                               Selector{SelectTetrahedra{{3}}}, Selector{SelectNearest{{0, 0, 0}, 4}}}) {
+    CHECK_FALSE(selects_by_place(holding(part)));
+    CHECK_FALSE(selects_by_place(holding(beside_box(part))));
+  }
+  CHECK_FALSE(selects_by_number(holding(beside_box({SelectSurface{{"capsule"}}}))));
 }

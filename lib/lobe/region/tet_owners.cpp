@@ -52,7 +52,7 @@ void TetOwners::follow(const SmoothedEdges& edges, const std::vector<Index>& lea
       if (left == count)
         give(edges, e);
       else
-        list(e, left);  // before this one
+        list(e, left);  // among those of fewer
     }
   for (Index t : enter)
     if (edges.of(t)[0] >= 0 && owner_[t] < 0)

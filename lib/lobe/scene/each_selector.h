@@ -40,5 +40,16 @@ inline bool selects_by_number(const Scene& scene) {
   for_each_selector(scene, [&](const Selector& selector, bool) { found = found || by_number(selector); });
   return found;
 }
+// Whether it takes triangles that the mesh's file names.
+inline bool by_surface(Selector selector) {
+  if (const auto* parts = parts_of(selector)) return std::any_of(parts->begin(), parts->end(), by_surface);
+  return std::holds_alternative<SelectSurface>(selector.value);
+}
+// Whether every selector means the same on another mesh of the body, of which no file is known.
+inline bool selects_by_place(const Scene& scene) {
+  bool found = selects_by_number(scene);
+  for_each_selector(scene, [&](const Selector& selector, bool) { found = found || by_surface(selector); });
+  return !found;
+}
 
 }  // namespace lobe

@@ -61,6 +61,13 @@ std::string held_side(const Scene& scene) {
 
 }  // namespace
 
+Choices carried_over(Origin& origin, const Choices& wanted) {
+  if (wanted.scale > 0) origin.edge = 0;
+  if (wanted.scale > 0) origin.scale = wanted.scale;
+  if (wanted.edge > 0) origin.edge = wanted.edge;
+  return {wanted.tissue, wanted.hold, origin.edge, origin.scale};
+}
+
 std::filesystem::path make_scene_file(const Origin& origin, const Choices& choices,
                                       const std::filesystem::path& folder, Child& child) {
   const std::filesystem::path scene = folder / (origin.files.front().stem().string() + ".json");

@@ -23,9 +23,13 @@ struct Choices {
 // Of what a scene was made.
 struct Origin {
   std::vector<std::filesystem::path>
-      files;         // surfaces, a label image or a mesh; none: it was written by hand
-  double scale = 0;  // that was asked for; 0: found
+      files;                   // surfaces, a label image or a mesh; none: it was written by hand
+  double scale = 0, edge = 0;  // that were asked for, as in Choices
 };
+
+// What to choose where a scene is made anew of the same files, which `origin` then remembers: an edge and a
+// scale that are not wanted now are those of before. In other units an edge of before is another one.
+Choices carried_over(Origin& origin, const Choices& wanted);
 
 // Makes a scene in a folder, and returns its file. Throws InputError with what the program says.
 std::filesystem::path make_scene_file(const Origin& origin, const Choices& choices,

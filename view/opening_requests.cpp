@@ -42,7 +42,7 @@ void Viewer::make_and_open(const Origin& origin, const Choices& choices) {
 // A scene is taken as it is; anything else becomes one.
 void Viewer::perform(ClientId, const request::Open& what) {
   if (what.files.empty()) throw InputError("/files", "names no file");
-  Origin origin{{}, what.scale};
+  Origin origin{{}, what.scale, what.edge};
   for (const std::string& name : what.files) {
     const std::filesystem::path file = inbox_.path_of(name);
     if (file.extension() == ".json") {
@@ -60,7 +60,7 @@ void Viewer::perform(ClientId, const request::OpenShipped& what) {
                                   [&](const Shipped& shipped) { return shipped.name == what.what; });
   if (found == library_.end()) throw InputError("/what", "\"" + what.what + "\" does not come with lobe");
   const std::filesystem::path file = options_.library / found->name;
-  if (file.extension() != ".json") return make_and_open({{file}, 0}, {});
+  if (file.extension() != ".json") return make_and_open({{file}}, {});
   open("Opening " + found->title, {}, [file](Child&) { return file; });
 }
 
@@ -70,19 +70,17 @@ void Viewer::perform(ClientId, const request::Remake& what) {
   if (origin_.files.empty())
     throw InputError("/do", "the scene was not made from a file: there is nothing to choose");
   Origin origin = origin_;
-  Choices choices{what.tissue, what.hold, what.edge, what.scale};
   const bool keeps_mesh = what.edge == 0 && what.scale == 0;
   if (!keeps_mesh || origin.files.size() > 1) {
     if (what.edge > 0 && has_own_mesh(origin, scene_))
       throw InputError("/edge", "the file has tetrahedra of its own, whose edges stay as they are");
-    if (what.scale > 0) origin.scale = what.scale;
-    choices.scale = origin.scale;
+    const Choices choices = carried_over(origin, {what.tissue, what.hold, what.edge, what.scale});
     return make_and_open(origin, choices);
   }
-  choices.scale = scene_.mesh_scale;
+  const Choices choices{what.tissue, what.hold, 0, scene_.mesh_scale};
   open("Opening " + origin.files.front().filename().string(), origin,
        [mesh = mesh_path(scene_), choices, folder = inbox_.make_folder()](Child& child) {
-         return make_scene_file({{mesh}, choices.scale}, choices, folder, child);
+         return make_scene_file({{mesh}}, choices, folder, child);
        });
 }
 

@@ -147,7 +147,7 @@ void Viewer::perform(ClientId, const request::Keep&) {
 void Viewer::claim(const std::string& name) {
   check_file_name(name);
   if (saved_.contains(name)) return;
-  for (const char* extension : {".json", ".vtu"}) {
+  for (const char* extension : {".json", ".vtu", "_1.vtu"}) {  // the last: of the first of several bodies
     const std::filesystem::path file = options_.folder / (name + extension);
     std::error_code error;
     const auto type = std::filesystem::symlink_status(file, error).type();

@@ -9,6 +9,7 @@
 #include "inbox.h"
 #include "library.h"
 #include "lobe/error.h"
+#include "opening.h"
 #include "viewed.h"
 
 using namespace lobe;
@@ -163,6 +164,23 @@ TEST_CASE("a mesh that is sent is opened with a tissue, changed, and saved as a 
   CHECK(kept.materials[0].name == "spleen");
   CHECK(mesh_path(kept).parent_path() == viewed.folder.path);
   CHECK(read_mesh(mesh_path(kept)).mesh.tet_count() == mesh.tet_count());
+}
+
+TEST_CASE("what was asked for before stays where a scene is made anew, but no edge in other units") {
+  Origin origin{{"organ.stl", "vessel.stl"}, 0.001, 0};
+  Choices choices = carried_over(origin, {"liver", "z+", 0.004, 0});
+  CHECK(choices.edge == 0.004);
+  CHECK(choices.scale == 0.001);
+  choices = carried_over(origin, {"spleen", "", 0, 0});
+  CHECK(choices.tissue == "spleen");
+  CHECK(choices.hold.empty());
+  CHECK(choices.edge == 0.004);
+  CHECK(choices.scale == 0.001);
+  choices = carried_over(origin, {"spleen", "", 0, 0.01});
+  CHECK(choices.edge == 0);
+  CHECK(choices.scale == 0.01);
+  CHECK(carried_over(origin, {"", "", 0.03, 0.1}).edge == 0.03);
+  CHECK(origin.edge == 0.03);
 }
 
 TEST_CASE("what cannot be opened leaves the organ as it is") {

@@ -429,6 +429,7 @@ class Page {
     click('export', () => this.ask({do: 'export', to: `hands_${stamp()}`}));
     click('help-button', () => (overlayIsShown() ? hideOverlay() : showHelp()));
     click('open-button', () => {
+      if (this.mode === 'edit') return; // whose panel is there
       this.opener.toggle();
       this.leaveRoom();
     });
@@ -506,7 +507,7 @@ class Page {
     element('pause').parentElement.style.display = edits ? 'none' : '';
     for (const plot of document.querySelectorAll('.plot')) plot.hidden = edits;
     this.tape.clear();
-    element('export').hidden = element('history').hidden = edits;
+    for (const id of ['export', 'open-button', 'history']) element(id).hidden = edits;
     this.leaveRoom();
   }
 

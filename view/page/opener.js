@@ -149,8 +149,9 @@ export class Opener {
     for (const id of ['tissue', 'hold'])
       if (element(id).value !== chosen[id]) changes[id] = element(id).value;
     if (Number(element('edge').value) !== 0) changes.edge = this.edge();
-    if (Number(element('units').value) !== chosen.scale) changes.scale = Number(element('units').value);
-    return changes;
+    if (Number(element('units').value) === chosen.scale) return changes;
+    delete changes.edge; // it is that of the body in other units
+    return {...changes, scale: Number(element('units').value)};
   }
 
   showChoices() {

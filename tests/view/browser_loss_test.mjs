@@ -33,7 +33,9 @@ for (let i = 0; i < kills; ++i) {
   await page.waitForTimeout(37 * (i % 11));
   const killed = Date.now();
   await server.kill();
-  await page.waitForTimeout(1500);
+  await page.waitForFunction(() => window.lost, null, {timeout: 1500, polling: 20}).catch(() => {});
+  // Three times until the page has tried several times to connect; then as long as a late picture could come.
+  await page.waitForTimeout(i < 3 ? 1500 : 400);
   const {lost, banner, factor, frames} = await page.evaluate(() => ({
     lost: window.lost,
     banner: document.getElementById('banner').textContent,

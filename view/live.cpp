@@ -17,7 +17,6 @@
 #include "lobe/scene/read_scene.h"
 #include "lobe/scene/read_shape.h"
 #include "skin_feed.h"
-#include "thread_feed.h"
 
 namespace lobe::view {
 namespace {
@@ -55,7 +54,6 @@ class LiveOf final : public Live {
         session_(setup_, with_skin(session_options(options))),
         published_(options.published) {
     if (!scene.skin.empty()) skin_.emplace(skin_path(scene), setup_.mesh, session_.world());
-    if (!scene.threads.empty()) threads_.emplace(session_.world());
     for (const Tool& tool : scene.tools) scene_tools_.insert(tool.name);
     session_.start();
     measuring_ = std::thread([this] { keep_measuring(); });
@@ -138,7 +136,7 @@ class LiveOf final : public Live {
       write_json(obstacles_tag, obstacles().dump(), out);
     }
     write_positions(surface, picture->surface.x.template cast<float>(), out);
-    if (threads_) threads_->write(out);
+    write_lines(picture->lines, out);
     write_measured(scalar, surface.revision, told, out, status);
     write_json(tools_tag, tools(*session, *picture).dump(), out);
     add_figures(*session, *picture, status);
@@ -176,11 +174,10 @@ class LiveOf final : public Live {
   }
 
  private:
-  // The skin and threads are computed anew with each picture, by the thread of the session.
+  // The skin is computed anew with each picture, by the thread of the session.
   SessionOptions with_skin(SessionOptions options) {
     options.published = [this, published = options.published] {
       if (skin_) skin_->update(session_.world());
-      if (threads_) threads_->update(session_.world());
       if (gauge_.follows()) gauge_.follow(session_.world());
       if (published) published();
     };
@@ -333,9 +330,8 @@ class LiveOf final : public Live {
 
   const Scene scene_;
   const Setup setup_;
-  std::optional<SkinFeed<Real>> skin_;       // none while the session is being made
-  std::optional<ThreadFeed<Real>> threads_;  // the same; none where nothing is sewn
-  Gauge<Real> gauge_;                        // of the thread of the session, between frames
+  std::optional<SkinFeed<Real>> skin_;  // none while the session is being made
+  Gauge<Real> gauge_;                   // of the thread of the session, between frames
   Session<Real> session_;
   const std::function<void()> published_;
   static constexpr int no_controller = HandQueue::most_controllers;

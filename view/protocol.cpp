@@ -9,7 +9,6 @@
 
 #include "lobe/error.h"
 #include "lobe/file/lists_all.h"
-#include "lobe/forces/threads.h"
 #include "lobe/scene/nearest_word.h"
 
 namespace lobe::view {
@@ -63,6 +62,13 @@ void read(const Json& json, const std::string& place, Eigen::Matrix<double, coun
     throw InputError(place, count == 3 ? "must be three numbers" : "must be four numbers");
   for (int k = 0; k < count; ++k)
     value[k] = number_in(json[std::size_t(k)], place + "/" + std::to_string(k), largest_number);
+}
+
+// In 16 bytes, filled up with zeros.
+void put_name(std::string_view name, BlockWriter& out) {
+  char label[16] = {};
+  std::copy_n(name.begin(), std::min<std::size_t>(name.size(), sizeof label), label);
+  out.put(std::span<const char>(label));
 }
 
 template <class T>
@@ -158,16 +164,20 @@ void write_bodies(const SurfaceMesh& surface, const MeshBodies& bodies, BlockWri
   out.end();
 }
 
-void write_threads(std::span<const ThreadLine> lines, BlockWriter& out) {
-  out.begin(threads_tag);
+void write_lines(std::span<const LinesSnapshot> lines, BlockWriter& out) {
+  if (lines.empty()) return;
+  out.begin(lines_tag);
   out.put(static_cast<std::uint32_t>(lines.size()));
-  for (const ThreadLine& line : lines) out.put(static_cast<std::uint32_t>(line.points.cols()));
-  for (const ThreadLine& line : lines) {
-    const Mat3X<float> points = line.points.cast<float>();
-    out.put(std::span<const float>(points.data(), std::size_t(points.size())));
+  for (const LinesSnapshot& line : lines) {
+    put_name(line.term, out);
+    out.put(static_cast<std::uint32_t>(line.tensions.size()));
   }
-  for (const ThreadLine& line : lines)
-    for (const double tension : line.tensions) out.put(static_cast<float>(tension));
+  for (const LinesSnapshot& line : lines)
+    out.put(std::span<const float>(line.ends.data(), std::size_t(line.ends.size())));
+  for (const LinesSnapshot& line : lines) out.put(std::span<const float>(line.tensions));
+  for (const LinesSnapshot& line : lines)
+    for (std::size_t i = 0; i < line.tensions.size(); ++i)
+      out.put(line.damages.empty() ? 0.0f : line.damages[i]);
   out.end();
 }
 
@@ -207,10 +217,8 @@ void write_scalar(std::string_view name, std::span<const float> values, BlockWri
   const float scale = high > low ? 65535 / (high - low) : 0;
   std::transform(values.begin(), values.end(), steps.begin(),
                  [&](float value) { return static_cast<std::uint16_t>(std::lround((value - low) * scale)); });
-  char label[16] = {};
-  std::copy_n(name.begin(), std::min<std::size_t>(name.size(), sizeof label), label);
   out.begin(scalar_tag);
-  out.put(std::span<const char>(label));
+  put_name(name, out);
   out.put(low);
   out.put(high);
   out.put(std::span<const std::uint16_t>(steps));

@@ -12,10 +12,6 @@
 
 #include "lobe/snapshot/snapshot.h"
 
-namespace lobe {
-struct ThreadLine;  // forces/threads.h
-}
-
 namespace lobe::view {
 static_assert(std::endian::native == std::endian::little, "blocks are written as they stand in memory");
 
@@ -31,7 +27,7 @@ inline constexpr std::uint32_t topology_tag = tag("TOPO"), positions_tag = tag("
                                status_tag = tag("STAT"), paint_tag = tag("PNTS"), materials_tag = tag("MATS"),
                                fibres_tag = tag("FIBR"), skin_tag = tag("SKIN"),
                                skin_positions_tag = tag("SKNP"), bodies_tag = tag("BODS"),
-                               threads_tag = tag("THRD"), choices_tag = tag("CHOI");
+                               lines_tag = tag("LINE"), choices_tag = tag("CHOI");
 
 class BlockWriter {
  public:
@@ -75,8 +71,10 @@ void write_fibres(const SurfaceMesh& surface, const Mat3X<float>& rest /* 3 × #
 // Writes which body each triangle is of: its number among the names in the status. Nothing is written where
 // there is one body without a name.
 void write_bodies(const SurfaceMesh& surface, const MeshBodies& bodies, BlockWriter& out);
-// Writes threads as lines: their number, the number of points of each, points [m], tensions of segments [N].
-void write_threads(std::span<const ThreadLine> lines, BlockWriter& out);
+// Writes what threads and attachments draw: the number of them; of each the name of its force term in 16
+// bytes and the number of its segments; then of all of them ends [m], tensions [N] and damages. Nothing is
+// written where there are none.
+void write_lines(std::span<const LinesSnapshot> lines, BlockWriter& out);
 void write_positions(const SurfaceMesh& surface, const Mat3X<float>& x /* 3 × #vertices [m] */,
                      BlockWriter& out);
 // The skin that the body carries (skin/skin.h): its triangles that are shown, and their positions.

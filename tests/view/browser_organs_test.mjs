@@ -94,7 +94,7 @@ for (const look of ['faded', 'hidden']) {
 await page.selectOption('#shipped', {label: 'A cut in a flank, closed by three stitches'});
 check(await opens(2), 'another one is opened');
 check(!(await page.isVisible('#bodies')), 'it has no bodies to name');
-check(await until(page, () => lobe.threads.meshes[0]?.count > 2), 'and its stitches are drawn');
+check(await until(page, () => lobe.lines.tubes.threads.count > 2), 'and its stitches are drawn');
 await shot('threads');
 
 // ---- A file: a surface in millimetres, turned inside out

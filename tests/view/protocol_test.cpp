@@ -6,7 +6,6 @@
 
 #include "lobe/error.h"
 #include "lobe/fem/body.h"
-#include "lobe/forces/threads.h"
 #include "lobe/mesh/generators.h"
 
 using namespace lobe;
@@ -92,24 +91,34 @@ TEST_CASE("the bodies block has the body of each triangle, and is not there wher
     CHECK(block.bytes[t] == char(mesh.bodies.body_of(surface.mesh().owner[t].tet)));
 }
 
-TEST_CASE("the threads block has the points of all lines, then the tensions of all segments") {
-  std::vector<ThreadLine> lines(2);
-  lines[0].points = Mat3X<double>::Constant(3, 3, 0.25);
+TEST_CASE("the lines block has names and sizes, then all ends, all tensions and all damages") {
+  std::vector<LinesSnapshot> lines(2);
+  lines[0].term = "threads";
+  lines[0].ends = Mat3X<float>::Constant(3, 4, 0.25f);
   lines[0].tensions = {1, 2};
-  lines[1].points = Vec3d(4, 5, 6).replicate(1, 2);
+  lines[1].term = "attachments";
+  lines[1].ends = Eigen::Vector3f(4, 5, 6).replicate(1, 2);
   lines[1].tensions = {3};
+  lines[1].damages = {0.5f};
   BlockWriter out;
-  write_threads(lines, out);
+  write_lines(lines, out);
   const std::string message = out.take();
   const std::string_view bytes = read_blocks(message)[0].bytes;
   CHECK(at<std::uint32_t>(bytes, 0) == 2);
-  CHECK(at<std::uint32_t>(bytes, 4) == 3);
-  CHECK(at<std::uint32_t>(bytes, 8) == 2);
-  CHECK(at<float>(bytes, 12) == 0.25f);
-  CHECK(at<float>(bytes, 12 + 9 * 4) == 4.0f);  // the first point of the second line
-  CHECK(at<float>(bytes, 12 + 15 * 4) == 1.0f);
-  CHECK(at<float>(bytes, 12 + 17 * 4) == 3.0f);
-  CHECK(bytes.size() == 12 + 18 * 4);
+  CHECK(std::string(bytes.data() + 4) == "threads");
+  CHECK(at<std::uint32_t>(bytes, 20) == 2);
+  CHECK(std::string(bytes.data() + 24) == "attachments");
+  CHECK(at<std::uint32_t>(bytes, 40) == 1);
+  CHECK(at<float>(bytes, 44) == 0.25f);
+  CHECK(at<float>(bytes, 44 + 12 * 4) == 4.0f);  // of the second
+  CHECK(at<float>(bytes, 44 + 18 * 4) == 1.0f);
+  CHECK(at<float>(bytes, 44 + 20 * 4) == 3.0f);
+  CHECK(at<float>(bytes, 44 + 21 * 4) == 0.0f);  // a thread has no damage
+  CHECK(at<float>(bytes, 44 + 23 * 4) == 0.5f);
+  CHECK(bytes.size() == 44 + 24 * 4);
+  BlockWriter none;
+  write_lines({}, none);
+  CHECK(none.take().empty());
 }
 
 TEST_CASE("a scalar comes back to within half a step of its range") {

@@ -20,10 +20,10 @@ import {Section} from './section.js';
 import {graphics, Stage} from './stage.js';
 import {KeyHand} from './key_hand.js';
 import {listenToKeys} from './keys.js';
+import {Lines} from './lines.js';
 import {cutLength, volumeOf} from './measures.js';
 import {Messages} from './messages.js';
 import {Tape} from './tape.js';
-import {Threads} from './threads.js';
 import {inMillimetres, ToolSizes} from './tool_sizes.js';
 
 const element = id => document.getElementById(id);
@@ -33,7 +33,7 @@ class Page {
     this.stage = new Stage(element('stage'), software);
     this.bodies = new Bodies(element('bodies'), element('labels'));
     this.organ = new Organ(this.stage, this.bodies);
-    this.threads = new Threads(this.stage);
+    this.lines = new Lines(this.stage);
     this.section = this.organ.section = new Section(this.stage, this.organ);
     this.instruments = new Instruments(this.stage, element('labels'));
     this.obstacles = new Obstacles(this.stage);
@@ -112,7 +112,7 @@ class Page {
     this.lost = '';
     // What is left out between two pictures was older; a surface and what is no longer told stay.
     const {skin, choices} = this.frame ?? {};
-    this.frame = frame.topology ? {skin, choices, ...frame} : {...this.frame, ...frame};
+    this.frame = frame.topology ? {skin, choices, ...frame} : {...this.frame, lines: undefined, ...frame};
     this.stage.wake();
     // A page in the background draws nothing, and wants to go on hearing.
     if (document.hidden) setTimeout(() => this.showFrame(), 200);
@@ -133,7 +133,7 @@ class Page {
       this.follow(frame.positions.x);
       this.tape.follow();
     }
-    if (frame.threads || frame.topology) this.threads.set(frame.threads ?? []);
+    this.lines.set(frame.lines ?? []);
     if (frame.scalar) this.organ.setScalar(frame.scalar);
     if (frame.held) this.organ.setHeld(frame.held);
     if (frame.materials) this.organ.setMaterials(frame.materials);

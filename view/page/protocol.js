@@ -4,7 +4,7 @@
 const text = new TextDecoder();
 
 /** @returns {{topology?: object, positions?: object, scalar?: object, tools?: object[], status?: object,
- *   held?: object, materials?: object, fibres?: object, bodies?: object, threads?: object[], skin?: object,
+ *   held?: object, materials?: object, fibres?: object, bodies?: object, lines?: object[], skin?: object,
  *   skinPositions?: object, choices?: object, obstacles?: object[]}} */
 export function readFrame(/** @type {ArrayBuffer} */ buffer) {
   const view = new DataView(buffer);
@@ -21,6 +21,8 @@ export function readFrame(/** @type {ArrayBuffer} */ buffer) {
 }
 
 const readJson = (buffer, at, size) => JSON.parse(text.decode(new Uint8Array(buffer, at, size)));
+
+const nameAt = (buffer, at) => text.decode(new Uint8Array(buffer, at, 16)).replace(/\0+$/, '');
 
 const readers = {
   TOPO(frame, buffer, at, size, view) {
@@ -62,7 +64,7 @@ const readers = {
   },
   SCAL(frame, buffer, at, size, view) {
     frame.scalar = {
-      name: text.decode(new Uint8Array(buffer, at, 16)).replace(/\0+$/, ''),
+      name: nameAt(buffer, at),
       low: view.getFloat32(at + 16, true),
       high: view.getFloat32(at + 20, true),
       steps: new Uint16Array(buffer, at + 24, (size - 24) / 2),
@@ -77,18 +79,21 @@ const readers = {
   BODS(frame, buffer, at, size) {
     frame.bodies = new Uint8Array(buffer, at, size);
   },
-  THRD(frame, buffer, at, size, view) {
-    const lines = view.getUint32(at, true);
-    let begin = at + 4 + 4 * lines;
-    frame.threads = Array.from({length: lines}, (_, i) => {
-      const points = new Float32Array(buffer, begin, 3 * view.getUint32(at + 4 + 4 * i, true));
-      begin += points.byteLength;
-      return {points};
-    });
-    for (const line of frame.threads) {
-      line.tensions = new Float32Array(buffer, begin, Math.max(0, line.points.length / 3 - 1));
-      begin += line.tensions.byteLength;
-    }
+  LINE(frame, buffer, at, size, view) {
+    const groups = view.getUint32(at, true);
+    frame.lines = [];
+    for (let i = 0, head = at + 4; i < groups; ++i, head += 20)
+      frame.lines.push({term: nameAt(buffer, head), segments: view.getUint32(head + 16, true)});
+    let begin = at + 4 + 20 * groups;
+    for (const [part, each] of [
+      ['ends', 6],
+      ['tensions', 1],
+      ['damages', 1],
+    ])
+      for (const line of frame.lines) {
+        line[part] = new Float32Array(buffer, begin, each * line.segments);
+        begin += line[part].byteLength;
+      }
   },
   MATS(frame, buffer, at, size) {
     frame.materials = new Uint8Array(buffer, at, size);

@@ -14,14 +14,31 @@ constexpr std::size_t most_said = 65536;  // [bytes]
 constexpr int not_found = 127;            // as a shell says of a program that is not there
 
 // After fork() in a program with threads: only calls that are safe in a signal handler.
-[[noreturn]] void become(char* const* arguments, int output) {
+[[noreturn]] void become(char* const* arguments, char* const* variables, int output) {
   ::setpgid(0, 0);
   const int null = ::open("/dev/null", O_RDONLY);
   if (null < 0 || ::dup2(null, 0) < 0 || ::dup2(output, 1) < 0 || ::dup2(output, 2) < 0) ::_exit(not_found);
   ::close_range(3, ~0u, 0);
   for (const int number : {SIGINT, SIGTERM, SIGHUP, SIGPIPE}) ::signal(number, SIG_DFL);
-  ::execvp(arguments[0], arguments);
+  ::execvpe(arguments[0], arguments, variables);
   ::_exit(not_found);
+}
+
+// For exec: it ends with a null.
+std::vector<char*> pointers_to(const std::vector<std::string>& texts) {
+  std::vector<char*> pointers;
+  for (const std::string& text : texts) pointers.push_back(const_cast<char*>(text.c_str()));
+  pointers.push_back(nullptr);
+  return pointers;
+}
+
+std::vector<std::string> variables_with(const std::filesystem::path& temporary) {
+  std::vector<std::string> variables;
+  for (char** variable = environ; *variable; ++variable)
+    if (temporary.empty() || !std::string_view(*variable).starts_with("TMPDIR="))
+      variables.emplace_back(*variable);
+  if (!temporary.empty()) variables.push_back("TMPDIR=" + temporary.string());
+  return variables;
 }
 
 int wait_for(pid_t process) {
@@ -33,24 +50,21 @@ int wait_for(pid_t process) {
 
 }  // namespace
 
-int Child::run(const std::vector<std::string>& arguments) {
-  std::vector<char*> pointers;
-  for (const std::string& argument : arguments) pointers.push_back(const_cast<char*>(argument.c_str()));
-  pointers.push_back(nullptr);
+int Child::run(const std::vector<std::string>& arguments, const std::filesystem::path& temporary) {
+  const std::vector<std::string> variables = variables_with(temporary);
+  const std::vector<char*> words = pointers_to(arguments), environment = pointers_to(variables);
   int ends[2];
   if (::pipe2(ends, O_CLOEXEC) != 0) return not_found;
   pid_t process = -1;
   {
     const std::lock_guard lock(mutex_);
     if (!was_stopped_) process = ::fork();
-    if (process == 0) become(pointers.data(), ends[1]);
+    if (process == 0) become(words.data(), environment.data(), ends[1]);
+    if (process > 0) ::setpgid(process, process);  // whoever of both comes first
     if (process > 0) process_ = process;
   }
   ::close(ends[1]);
-  if (process > 0) {
-    ::setpgid(process, process);  // whoever of both comes first
-    listen(ends[0]);
-  }
+  if (process > 0) listen(ends[0]);
   ::close(ends[0]);
   if (process < 0) return not_found;
   // Its number is its own until it has been waited for; then stop() must not use it.

@@ -2,6 +2,7 @@
 // kept.
 #pragma once
 
+#include <filesystem>
 #include <mutex>
 #include <string>
 #include <vector>
@@ -16,8 +17,9 @@ class Child {
   Child& operator=(const Child&) = delete;
 
   // Starts it, and waits for its end. Its status as a shell tells it: 127 where there is no such program, 128
-  // and the signal that ended it. Call it once; that after stop() starts nothing.
-  int run(const std::vector<std::string>& arguments);
+  // and the signal that ended it. Call it once; that after stop() starts nothing. What it has in temporary
+  // files is in that folder; empty: where the system has them.
+  int run(const std::vector<std::string>& arguments, const std::filesystem::path& temporary = {});
   // All that it has said, on both of its outputs: at most the last 64 KiB. Any thread.
   std::string said() const;
   // Ends it, and those that it has started. Any thread.

@@ -103,6 +103,7 @@ void Connection::read_request() {
 
 void Connection::read_body() {
   if (sends_file(parser_->get())) {
+    is_known_ = true;  // so that no stranger takes its place meanwhile
     http_->expires_after(long_for_files);
   } else {
     const auto length = parser_->content_length();

@@ -10,8 +10,11 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "console.h"
 #include "lobe/error.h"
 #include "lobe/file/atomic_file.h"
+#include "lobe/file/scanner.h"
+#include "lobe/scene/json_text.h"
 
 namespace lobe::view {
 namespace {
@@ -32,8 +35,16 @@ bool is_plain(const std::string& name) {
 
 bool is_readable(const std::string& name) {
   const std::string text = lower(name);
-  const auto& known = readable_extensions();
+  const auto known = readable_extensions();
   return std::any_of(known.begin(), known.end(), [&](const auto& end) { return text.ends_with(end); });
+}
+
+// The head of an NRRD file may say that the voxels are in another file.
+bool reads_another(const std::string& name, std::string_view content) {
+  if (!lower(name).ends_with(".nrrd")) return false;
+  const std::size_t end = std::min(content.find("\n\n"), content.find("\n\r\n"));
+  const std::string head = lower(std::string(content.substr(0, end)));
+  return head.find("data file:") != head.npos || head.find("datafile:") != head.npos;
 }
 
 void check_names(const nlohmann::json& json, const std::string& place) {
@@ -51,10 +62,10 @@ void check_names(const nlohmann::json& json, const std::string& place) {
 
 }  // namespace
 
-const std::vector<std::string>& readable_extensions() {
-  static const std::vector<std::string> all{".stl",    ".obj",  ".ply",  ".vtp",  ".vtk",  ".vtu",
-                                            ".msh",    ".msh2", ".ele",  ".mesh", ".node", ".nii",
-                                            ".nii.gz", ".nrrd", ".nhdr", ".json"};
+std::vector<std::string> readable_extensions() {
+  std::vector<std::string> all{".vtk", ".vtu", ".msh", ".msh2", ".mesh", ".node", ".ele", ".json"};
+  if (program::sibling("lobe-mesh").is_absolute())
+    all.insert(all.end(), {".stl", ".obj", ".ply", ".vtp", ".nii", ".nii.gz", ".nrrd"});
   return all;
 }
 
@@ -77,6 +88,8 @@ void Inbox::take(const std::string& name, std::string_view content) {
     throw InputError("name", "must be of letters, digits, \"_\", \"-\" and \".\", at most 100 of them");
   if (!is_readable(name)) throw InputError(name, "is of no kind that lobe reads");
   if (content.size() > largest_file) throw InputError(name, "has more than 128 MiB");
+  if (reads_another(name, content))
+    throw InputError(name, "has its voxels in another file: save it as one file");
   if (size_ + content.size() > most)
     throw InputError(name, "would be too much: 1 GiB was sent since lobe view was started");
   make();
@@ -88,6 +101,14 @@ void Inbox::take(const std::string& name, std::string_view content) {
 std::filesystem::path Inbox::path_of(const std::string& name) const {
   if (!names_.contains(name)) throw InputError("/files", "\"" + name + "\" was not sent");
   return folder_ / name;
+}
+
+void Inbox::keep(std::filesystem::path& file, const std::filesystem::path& folder,
+                 const std::string& stem) const {
+  if (!has(file)) return;
+  const std::string name = stem + "_" + file.filename().string();
+  std::filesystem::copy_file(file, folder / name, std::filesystem::copy_options::overwrite_existing);
+  file = name;
 }
 
 std::filesystem::path Inbox::make_folder() {
@@ -104,9 +125,7 @@ bool Inbox::has(const std::filesystem::path& file) const {
 }
 
 void check_names_beside(const std::filesystem::path& scene) {
-  std::ifstream in(scene);
-  const auto json = nlohmann::json::parse(in, nullptr, false);
-  if (json.is_structured()) check_names(json, "");  // read_scene() names what is no JSON
+  check_names(parse_json(io::read_file(scene), scene.filename().string()), "");
 }
 
 }  // namespace lobe::view

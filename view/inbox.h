@@ -28,6 +28,9 @@ class Inbox {
   // A new folder in it, for what is made of its files.
   std::filesystem::path make_folder();
   void clear();
+  // Copies a file of a scene that was sent to the folder in which the scene is going to be, as STEM_NAME, and
+  // names it so. Others stay as they are.
+  void keep(std::filesystem::path& file, const std::filesystem::path& folder, const std::string& stem) const;
   bool has(const std::filesystem::path& file) const;  // whether a file lies in the folder
 
  private:
@@ -39,8 +42,8 @@ class Inbox {
   int folders_ = 0;
 };
 
-// The extensions of what may be sent: ".stl" and so on.
-const std::vector<std::string>& readable_extensions();
+// The extensions of what may be sent: ".vtu" and so on; those of surfaces and images only where lobe-mesh is.
+std::vector<std::string> readable_extensions();
 
 // Throws InputError if a scene that was sent names a file that does not lie beside it: what a page sends
 // reads nothing else of this machine.

@@ -221,8 +221,7 @@ int serve(Arguments& options) {
   viewer->set_server(nullptr);
   attempt([&] { write_recordings(options, *viewer); });
   std::fflush(stdout);
-  viewer->abandon();
-  if (viewer->is_preparing()) std::_Exit(status);  // what nobody will see need not be waited for
+  if (!viewer->abandon()) std::_Exit(status);  // what nobody will see need not be waited for
   return status;
 }
 

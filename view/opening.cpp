@@ -62,8 +62,8 @@ std::string held_side(const Scene& scene) {
 }  // namespace
 
 Choices carried_over(Origin& origin, const Choices& wanted) {
-  if (wanted.scale > 0) origin.edge = 0;
-  if (wanted.scale > 0) origin.scale = wanted.scale;
+  if (wanted.scale != 0) origin.edge = 0;
+  if (wanted.scale != 0) origin.scale = std::max(0.0, wanted.scale);
   if (wanted.edge > 0) origin.edge = wanted.edge;
   return {wanted.tissue, wanted.hold, origin.edge, origin.scale};
 }
@@ -81,7 +81,7 @@ std::filesystem::path make_scene_file(const Origin& origin, const Choices& choic
   add("--hold", choices.hold);
   add("--edge", exact(choices.edge));
   add("--scale", exact(choices.scale));
-  const int status = child.run(arguments);
+  const int status = child.run(arguments, folder);
   if (child.was_stopped()) throw InputError(origin.files.front().filename().string(), "was not opened");
   if (status == 127) throw InputError("lobe", "not found in the folder of lobe-view or on the PATH");
   if (status != 0)
@@ -100,14 +100,15 @@ std::pair<Scene, Resolved> load_scene(const std::filesystem::path& file,
   return {std::move(scene), std::move(resolved)};
 }
 
-bool has_own_mesh(const Origin& origin, const Scene& scene) {
+bool has_own_mesh(const Origin& origin) {
   std::error_code error;
-  return origin.files.size() == 1 && scene.bodies.empty() &&
-         std::filesystem::equivalent(origin.files.front(), mesh_path(scene), error);
+  return origin.files.size() == 1 && std::filesystem::equivalent(origin.files.front(), origin.mesh, error);
 }
 
-Json chosen(const Origin& origin, const Scene& scene, const Resolved& resolved) {
-  if (origin.files.empty()) return nullptr;
+Json note_choices(Origin& origin, const Scene& scene, const Resolved& resolved) {
+  if (origin.files.empty() || !scene.bodies.empty()) return nullptr;
+  origin.mesh = mesh_path(scene);
+  origin.mesh_scale = scene.mesh_scale;
   const TetMesh& mesh = resolved.setup.mesh;
   const Vec3d size = bounding_box(mesh).max - bounding_box(mesh).min;
   const double volume = total_volume(mesh);
@@ -117,7 +118,7 @@ Json chosen(const Origin& origin, const Scene& scene, const Resolved& resolved) 
           {"tissue", tissue_of(scene)},
           {"hold", held_side(scene)},
           {"edge", std::cbrt(6 * std::sqrt(2) * volume / mesh.tet_count())},
-          {"has_own_mesh", has_own_mesh(origin, scene)},
+          {"has_own_mesh", has_own_mesh(origin)},
           {"scale", origin.scale},
           {"tets", mesh.tet_count()},
           {"volume", volume},

@@ -23,12 +23,15 @@ struct Choices {
 // Of what a scene was made.
 struct Origin {
   std::vector<std::filesystem::path>
-      files;                   // surfaces, a label image or a mesh; none: it was written by hand
-  double scale = 0, edge = 0;  // that were asked for, as in Choices
+      files;                        // surfaces, a label image or a mesh; none: it was written by hand
+  double scale = 0, edge = 0;       // that were asked for, as in Choices
+  std::filesystem::path mesh = {};  // of the scene as it was made
+  double mesh_scale = 1;
 };
 
 // What to choose where a scene is made anew of the same files, which `origin` then remembers: an edge and a
-// scale that are not wanted now are those of before. In other units an edge of before is another one.
+// scale that are not wanted now (0) are those of before; a scale below 0 is found anew. In other units an
+// edge of before is another one.
 Choices carried_over(Origin& origin, const Choices& wanted);
 
 // Makes a scene in a folder, and returns its file. Throws InputError with what the program says.
@@ -40,9 +43,10 @@ std::pair<Scene, Resolved> load_scene(const std::filesystem::path& file,
                                       const std::function<void(double fraction)>& progress);
 
 // Whether it was made of tetrahedra that were there before, which have no other edge.
-bool has_own_mesh(const Origin& origin, const Scene& scene);
+bool has_own_mesh(const Origin& origin);
 
-// What was chosen for it, for a page; null for one that was written by hand.
-nlohmann::json chosen(const Origin& origin, const Scene& scene, const Resolved& resolved);
+// What was chosen for it, for a page; null for one that was written by hand. Call it when the scene is
+// opened: it notes the mesh that it has then.
+nlohmann::json note_choices(Origin& origin, const Scene& scene, const Resolved& resolved);
 
 }  // namespace lobe::view

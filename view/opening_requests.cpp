@@ -64,41 +64,47 @@ void Viewer::perform(ClientId, const request::OpenShipped& what) {
   open("Opening " + found->title, {}, [file](Child&) { return file; });
 }
 
-// Where neither edge nor scale change, the mesh that is there is taken. Of several surfaces it has not the
-// names.
+// Where neither edge nor scale change, the mesh is taken that the scene was made with. The mesh of several
+// surfaces does not know their names, so that it is made again.
 void Viewer::perform(ClientId, const request::Remake& what) {
   if (origin_.files.empty())
     throw InputError("/do", "the scene was not made from a file: there is nothing to choose");
   Origin origin = origin_;
   const bool keeps_mesh = what.edge == 0 && what.scale == 0;
   if (!keeps_mesh || origin.files.size() > 1) {
-    if (what.edge > 0 && has_own_mesh(origin, scene_))
+    if (what.edge > 0 && has_own_mesh(origin))
       throw InputError("/edge", "the file has tetrahedra of its own, whose edges stay as they are");
     const Choices choices = carried_over(origin, {what.tissue, what.hold, what.edge, what.scale});
     return make_and_open(origin, choices);
   }
-  const Choices choices{what.tissue, what.hold, 0, scene_.mesh_scale};
+  const Choices choices{what.tissue, what.hold, 0, origin.mesh_scale};
   open("Opening " + origin.files.front().filename().string(), origin,
-       [mesh = mesh_path(scene_), choices, folder = inbox_.make_folder()](Child& child) {
+       [mesh = origin.mesh, choices, folder = inbox_.make_folder()](Child& child) {
          return make_scene_file({{mesh}}, choices, folder, child);
        });
 }
 
+// Its thread may go on for a while; what it makes is thrown away.
 void Viewer::perform(ClientId, const request::Cancel&) {
   if (!task_ || task_->title.empty()) throw InputError("/do", "nothing is being opened");
   task_->child.stop();
+  tell_all("note", task_->title + " was cancelled.");
+  const std::lock_guard lock(changing_);
+  abandoned_.push_back(std::exchange(task_, nullptr));
+  changed();
+}
+
+Scene Viewer::to_be_saved(Scene scene, const std::filesystem::path& folder, const std::string& stem) const {
+  scene = with_absolute_paths(std::move(scene));
+  inbox_.keep(scene.skin, folder, stem);
+  for (Tool& tool : scene.tools) inbox_.keep(tool.shape_file, folder, stem);
+  for (std::filesystem::path& file : scene.obstacle_files) inbox_.keep(file, folder, stem);
+  return scene;
 }
 
 void Viewer::perform(ClientId, const request::SaveScene& what) {
   claim(what.to);
-  Scene scene = with_absolute_paths(scene_);
-  const auto refuse = [&](const std::filesystem::path& file) {
-    if (inbox_.has(file))
-      throw InputError(
-          "/to", file.filename().string() + " was sent with the scene, which is saved where you have it");
-  };
-  refuse(scene.skin);
-  for (const Tool& tool : scene.tools) refuse(tool.shape_file);
+  Scene scene = to_be_saved(scene_, options_.folder, what.to);
   save_scene_mesh(resolved_.setup.mesh, options_.folder, what.to, scene);
   const std::filesystem::path file = options_.folder / (what.to + ".json");
   io::write_file(file, to_json(scene));
@@ -108,14 +114,15 @@ void Viewer::perform(ClientId, const request::SaveScene& what) {
 
 // What a page may choose, and what was chosen: once, and again when another scene is open.
 void Viewer::write_choices(Client& client, BlockWriter& out) {
-  if (client.opened == opened_) return;
-  client.opened = opened_;
+  if (client.choices == choices_) return;
+  client.choices = choices_;
   Json shipped = Json::array(), known = Json::array();
   for (const Shipped& one : library_) shipped.push_back({{"name", one.name}, {"title", one.title}});
   for (const Tissue& tissue : tissues())
     known.push_back({{"name", tissue.name}, {"young", tissue.young_modulus}, {"density", tissue.density}});
   const Json choices{{"opened", opened_},
-                     {"chosen", chosen(origin_, scene_, resolved_)},
+                     {"chosen", chosen_},
+                     {"is_painted", is_painted_},
                      {"shipped", shipped},
                      {"tissues", known},
                      {"extensions", readable_extensions()},

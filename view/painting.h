@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <vector>
 
 #include "lobe/mesh/surface.h"
@@ -53,9 +54,10 @@ class Painting {
   // vertices, if there are any. `mesh` is the file that mesh() will be in.
   Scene scene(const std::filesystem::path& mesh) const;
   TetMesh mesh() const;
-  // Writes scene and mesh as `name`.json and `name`.vtu, and returns the first. Throws InputError for an
-  // invalid name, or if they cannot be written.
-  std::filesystem::path save(const std::filesystem::path& folder, const std::string& name) const;
+  // Writes scene and mesh as `name`.json and `name`.vtu, and returns the first; `finish` may change the scene
+  // before. Throws InputError for an invalid name, or if they cannot be written.
+  std::filesystem::path save(const std::filesystem::path& folder, const std::string& name,
+                             const std::function<Scene(Scene)>& finish = {}) const;
 
  private:
   struct State {

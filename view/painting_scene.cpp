@@ -128,10 +128,12 @@ Scene Painting::scene(const std::filesystem::path& mesh) const {
   return scene;
 }
 
-std::filesystem::path Painting::save(const std::filesystem::path& folder, const std::string& name) const {
+std::filesystem::path Painting::save(const std::filesystem::path& folder, const std::string& name,
+                                     const std::function<Scene(Scene)>& finish) const {
   check_file_name(name);
   const std::filesystem::path file = folder / (name + ".json");
   Scene painted = scene(name + ".vtu");
+  if (finish) painted = finish(std::move(painted));
   save_scene_mesh(mesh(), folder, name, painted);
   io::write_file(file, to_json(painted));
   return file;

@@ -315,7 +315,7 @@ struct OpenShipped {
   static constexpr const char* name = "open_shipped";
   static constexpr auto fields = std::tuple(Field{"what", &OpenShipped::what});
 };
-// Makes the scene anew with other choices. Edge and scale 0: of the mesh that it has.
+// Makes the scene anew with other choices. Edge and scale 0: those that it was made with; scale −1: found.
 struct Remake {
   std::string tissue, hold;
   double edge = 0, scale = 0;
@@ -323,7 +323,7 @@ struct Remake {
   static constexpr auto fields = std::tuple(Field{"tissue", &Remake::tissue}, Field{"hold", &Remake::hold},
                                             Field{"edge", &Remake::edge}, Field{"scale", &Remake::scale});
 };
-// What is being opened is not.
+// Stops what is being opened.
 struct Cancel {
   static constexpr const char* name = "cancel";
   static constexpr auto fields = std::tuple();

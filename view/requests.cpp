@@ -171,7 +171,7 @@ std::optional<std::filesystem::path> Viewer::save_gestures(const std::string& na
 void Viewer::perform(ClientId, const request::Export& what) {
   claim(what.to);
   claim(what.to + "_gestures");
-  Scene scene = live_->hands_scene();
+  Scene scene = to_be_saved(live_->hands_scene(), options_.folder, what.to);
   if (saves_mesh_) save_scene_mesh(resolved_.setup.mesh, options_.folder, what.to, scene);
   const std::filesystem::path file = options_.folder / (what.to + ".json");
   io::write_file(file, to_json(scene));
@@ -289,7 +289,10 @@ void Viewer::perform(ClientId, const request::Apply&) {
 
 void Viewer::perform(ClientId, const request::Save& what) {
   claim(what.to);
-  const std::filesystem::path file = painting().save(options_.folder, what.to);
+  const auto keep_files = [&](Scene scene) {
+    return to_be_saved(std::move(scene), options_.folder, what.to);
+  };
+  const std::filesystem::path file = painting().save(options_.folder, what.to, keep_files);
   saved_.insert(what.to);
   tell_all("note", "Saved. To play it: lobe view " + file.string());
 }

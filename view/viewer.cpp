@@ -23,6 +23,7 @@ Viewer::Viewer(Scene scene, Resolved resolved, const ViewerOptions& options)
       run_(std::random_device()()) {
   if (options.haptic.device != "none") live_->take_haptics(std::make_unique<HapticRig>(options.haptic));
   if (resolved_.proposal) proposal_ = resolved_.proposal;
+  chosen_ = note_choices(origin_, scene_, resolved_);
 }
 
 Viewer::~Viewer() = default;
@@ -138,11 +139,26 @@ void Viewer::measure_what_is_shown() {
   live_->measure(wanted);
 }
 
-void Viewer::received_file(const std::string& name, std::string_view content) { inbox_.take(name, content); }
+// What is being opened is read by another thread, and stays as it was checked.
+void Viewer::received_file(const std::string& name, std::string_view content) {
+  if (is_preparing())
+    throw InputError(name, "cannot be taken while something is being prepared: send it then");
+  inbox_.take(name, content);
+}
 
-void Viewer::abandon() {
+bool Viewer::abandon() {
   if (task_) task_->child.stop();
   inbox_.clear();
+  const auto is_done = [](const auto& task) { return task->is_done.load(); };
+  return !is_preparing() && std::all_of(abandoned_.begin(), abandoned_.end(), is_done);
+}
+
+// The scene of a session, as its recording is to be played when this program has ended. That of the first is
+// the file that the program was given.
+Scene Viewer::recorded() const {
+  if (options_.record.empty() || sessions_ == 1) return scene_;
+  return to_be_saved(scene_, std::filesystem::absolute(options_.record).parent_path(),
+                     options_.record.stem().string() + "." + std::to_string(sessions_));
 }
 
 void Viewer::show_skins() {
@@ -177,6 +193,7 @@ void Viewer::begin(const std::function<void(Task&)>& work, const std::string& ti
 }
 
 void Viewer::finish_task() {
+  std::erase_if(abandoned_, [](const auto& task) { return task->is_done.load(); });
   if (!task_ || !task_->is_done) return;
   std::shared_ptr<Task> task;
   {
@@ -184,7 +201,6 @@ void Viewer::finish_task() {
     task = std::move(task_);
   }
   changed();
-  if (task->child.was_stopped()) return tell_all("note", task->title + " was cancelled.");
   if (!task->trouble.empty()) return tell_all("error", task->trouble);
   for (const std::string& warning : task->resolved.warnings) tell_all("note", warning);
   if (!task->live) {
@@ -202,7 +218,7 @@ void Viewer::take_over(Task& task) {
   std::unique_ptr<HapticRig> rig = former->release_haptics();
   former->change_hands(false);
   try {
-    recordings_.ended(former, scene_, resolved_.setup.mesh);
+    recordings_.ended(former, recorded(), resolved_.setup.mesh);
   } catch (const std::exception& error) {
     tell_all("error", std::string("what was done so far is not recorded yet: ") + error.what());
   }
@@ -214,8 +230,12 @@ void Viewer::take_over(Task& task) {
   resolved_ = std::move(task.resolved);
   paints_ = false;
   saves_mesh_ = true;
+  is_painted_ = !task.origin;
+  ++choices_;
+  ++sessions_;
   if (task.origin) {
     origin_ = *task.origin;
+    chosen_ = note_choices(origin_, scene_, resolved_);
     painting_.reset();
     proposal_ = resolved_.proposal;
     ++opened_;
@@ -227,7 +247,7 @@ void Viewer::take_over(Task& task) {
 }
 
 const std::vector<Recordings::Written>& Viewer::write_recordings() {
-  recordings_.end(live_, scene_, resolved_.setup.mesh);
+  recordings_.end(live_, recorded(), resolved_.setup.mesh);
   return recordings_.written();
 }
 

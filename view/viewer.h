@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <map>
 #include <mutex>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <set>
 
@@ -59,8 +60,9 @@ class Viewer final : public Service {
   // the others then are.
   const std::vector<Recordings::Written>& write_recordings();
   bool is_preparing() const { return task_ && !task_->is_done; }
-  // Ends what is being prepared, as far as that is another program, and removes what pages have sent.
-  void abandon();
+  // Ends what is being prepared, as far as that is another program, and removes what pages have sent. Returns
+  // false if a thread goes on.
+  bool abandon();
 
  private:
   using Clock = std::chrono::steady_clock;
@@ -71,7 +73,7 @@ class Viewer final : public Service {
     std::uint64_t painted = 0;
     double number = 0;    // of its last request
     std::string trouble;  // why it got no frame
-    int opened = -1;      // the scene whose choices it knows
+    int choices = -1;     // those that it knows
   };
   // A thread that prepares something: a simulation of what was painted, a proposal of regions, or another
   // scene.
@@ -100,6 +102,7 @@ class Viewer final : public Service {
   }
   void set_painting(bool on);
   void finish_task();
+  Scene recorded() const;
   void take_over(Task& task);
   void measure_what_is_shown();
   void show_skins();
@@ -115,6 +118,8 @@ class Viewer final : public Service {
   void open(const std::string& title, const Origin& origin, const MakeFile& make_file);
   void make_and_open(const Origin& origin, const Choices& choices);
   void write_choices(Client& client, BlockWriter& out);
+  // With absolute paths, and files that pages have sent beside it.
+  Scene to_be_saved(Scene scene, const std::filesystem::path& folder, const std::string& stem) const;
   Painting& painting();
   AutoRegions wanted_gestures(double tolerance);
   void claim(const std::string& name);
@@ -175,10 +180,15 @@ class Viewer final : public Service {
   Origin origin_ = options_.origin;
   const std::vector<Shipped> library_ = library(options_.library);
   Inbox inbox_;
-  int opened_ = 0;               // scenes, since the first one
-  std::set<std::string> saved_;  // names of files that this program has made
-  double number_ = 0;            // of the request that is carried out
-  std::uint64_t painted_ = 1;    // grows with each change of the painting
+  int sessions_ = 1;                              // as Recordings counts them
+  int opened_ = 0;                                // scenes, since the first one
+  nlohmann::json chosen_;                         // for the scene that is open (opening.h)
+  bool is_painted_ = false;                       // what is simulated was painted since
+  int choices_ = 0;                               // grows when pages must hear of these
+  std::vector<std::shared_ptr<Task>> abandoned_;  // that were cancelled, and whose threads may go on
+  std::set<std::string> saved_;                   // names of files that this program has made
+  double number_ = 0;                             // of the request that is carried out
+  std::uint64_t painted_ = 1;                     // grows with each change of the painting
   std::optional<Proposal> proposal_;
   std::shared_ptr<Task> task_;
   std::map<ClientId, Client> clients_;

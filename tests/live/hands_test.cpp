@@ -135,7 +135,7 @@ TEST_CASE("each malformed command is named, and disturbs neither the body nor ot
       {bring_tool(2, Vec3d::Zero(), BringScalpel{"", {top, top}}), "scalpel:"},
       {bring_tool(2, Vec3d::Zero(), BringScalpel{"", {top, Vec3d(0, nan, 0)}}), "scalpel:"},
       {ask_for(Kind::speed, nan), "speed: must be from 0.001"},
-      {ask_for(Kind::back, -1), "back: must be by more than 0 s"},
+      {ask_for(Kind::back, -1), "back: must be by 0 s or more"},
       {ask(Kind(77)), "command: there is none of kind 77"},
       {ask(Kind::edit), "edit: has no command for the body"},
       {edit(RemoveTets{{tets}}), "tetrahedron " + std::to_string(tets)},

@@ -33,7 +33,7 @@ std::string content_of(const std::filesystem::path& file) {
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
-// What a page is told: the last choices, and all texts would need a server.
+// A page, with the choices and the status that it was told last.
 struct Page {
   Viewed& viewed;
   ClientId id = 1;
@@ -81,6 +81,9 @@ TEST_CASE("files of plain names and known kinds are taken, and are gone with the
     for (const char* name : {"", "../organ.stl", "a/b.stl", ".stl", "-o.stl", "a\nb.stl", "é.stl"})
       CHECK(fault_of([&] { inbox.take(name, ""); }).starts_with("name: must be of letters"));
     CHECK(fault_of([&] { inbox.take("organ.exe", ""); }) == "organ.exe: is of no kind that lobe reads");
+    CHECK(fault_of([&] { inbox.take("a.nrrd", "NRRD0004\nData File: /etc/passwd\n\n"); }) ==
+          "a.nrrd: has its voxels in another file: save it as one file");
+    inbox.take("b.nrrd", "NRRD0004\nencoding: raw\n\ndata file:");
     CHECK(fault_of([&] { inbox.path_of("other.stl"); }) == "/files: \"other.stl\" was not sent");
   }
   CHECK(!std::filesystem::exists(file.parent_path()));
@@ -93,6 +96,9 @@ TEST_CASE("a scene that was sent names nothing that was not sent with it") {
   };
   CHECK(check({{"mesh", "organ.vtu"}, {"skin", "organ.obj"}}).empty());
   CHECK(check({{"mesh", "/etc/passwd"}}).starts_with("/mesh: /etc/passwd: a scene that is sent"));
+  CHECK(fault_of([&] {
+          check_names_beside(folder.write("deep.json", std::string(1000000, '[')));
+        }).starts_with("deep.json"));
   CHECK(check({{"mesh", "../organ.vtu"}}).starts_with("/mesh: "));
   CHECK(check({{"bodies", {{{"name", "a"}, {"mesh", "b/c.vtu"}}}}}).starts_with("/bodies/0/mesh: "));
   CHECK(check({{"tools", {{{"shape", {{"mesh", {{"file", "/x.obj"}}}}}}}}})
@@ -104,6 +110,9 @@ TEST_CASE("a child says what it says and how it ended") {
   CHECK(child.run({"sh", "-c", "echo out; echo err >&2; exit 3"}) == 3);
   CHECK(child.said() == "out\nerr\n");
   CHECK(!child.was_stopped());
+  Child other;
+  CHECK(other.run({"sh", "-c", "echo $TMPDIR"}, "/tmp/some folder") == 0);
+  CHECK(other.said() == "/tmp/some folder\n");
   CHECK(Child().run({"no-such-program-of-lobe"}) == 127);
 }
 
@@ -179,8 +188,49 @@ TEST_CASE("what was asked for before stays where a scene is made anew, but no ed
   choices = carried_over(origin, {"spleen", "", 0, 0.01});
   CHECK(choices.edge == 0);
   CHECK(choices.scale == 0.01);
+  CHECK(carried_over(origin, {"spleen", "", 0, -1}).scale == 0);  // found
   CHECK(carried_over(origin, {"", "", 0.03, 0.1}).edge == 0.03);
   CHECK(origin.edge == 0.03);
+}
+
+TEST_CASE("a scene is sent with its files, and saved with them") {
+  Viewed viewed(true);
+  Page page(viewed);
+  REQUIRE(page.opens(0));
+  Json scene = Json::parse(content_of(viewed.folder.path / "block.json"));
+  scene["skin"] = "block.obj";
+  viewed.viewer->received_file("sent.json", scene.dump());
+  for (const char* name : {"block.vtu", "block.obj"})
+    viewed.viewer->received_file(name, content_of(viewed.folder.path / name));
+  viewed.ask(page.id, to_open({"block.vtu", "sent.json", "block.obj"}));
+  CHECK(fault_of([&] {
+          viewed.viewer->received_file("block.vtu", "another");
+        }).starts_with("block.vtu: cannot be taken while"));
+  REQUIRE(page.opens(1));
+  CHECK(page.choices["chosen"].is_null());
+  CHECK(page.status["has_skin"] == true);
+  viewed.ask(page.id, {{"do", "save_scene"}, {"to", "kept"}});
+  const Scene kept = read_scene(viewed.folder.path / "kept.json");
+  CHECK(skin_path(kept) == viewed.folder.path / "kept_block.obj");
+  CHECK(std::filesystem::exists(skin_path(kept)));
+  const auto& written = viewed.viewer->write_recordings();
+  REQUIRE(written.size() == 2);
+  const Scene recorded = read_scene(written[1].scene);
+  CHECK(std::filesystem::exists(skin_path(recorded)));
+  CHECK(skin_path(recorded).parent_path() == viewed.folder.path);
+}
+
+TEST_CASE("what is being opened can be cancelled; another one may follow at once") {
+  Viewed viewed;
+  Page page(viewed);
+  REQUIRE(page.opens(0));
+  viewed.viewer->received_file("block.vtu", content_of(viewed.folder.path / "block.vtu"));
+  viewed.ask(page.id, to_open({"block.vtu"}));
+  viewed.ask(page.id, {{"do", "cancel"}});
+  viewed.ask(page.id, to_open({"block.vtu"}, "kidney"));
+  REQUIRE(page.opens(1));
+  CHECK(page.choices["chosen"]["tissue"] == "kidney");
+  CHECK(comes_to([&] { return viewed.viewer->abandon(); }));
 }
 
 TEST_CASE("what cannot be opened leaves the organ as it is") {
@@ -191,12 +241,12 @@ TEST_CASE("what cannot be opened leaves the organ as it is") {
   viewed.ask(page.id, to_open({"bad.vtu"}));
   CHECK(page.comes_to([&] { return page.status.contains("opening"); }));
   CHECK(page.comes_to([&] { return !page.status.contains("opening"); }));
-  viewed.ask(page.id, to_open({}));
-  viewed.ask(page.id, to_open({"never_sent.stl"}));
-  viewed.ask(page.id, {{"do", "cancel"}});
-  viewed.ask(page.id, {{"do", "open_shipped"}, {"what", "../secret.json"}});
-  viewed.ask(page.id, {{"do", "remake"}, {"tissue", ""}, {"hold", ""}, {"edge", 0}, {"scale", 0}});
-  page.look();
+  for (const Json& wrong : {to_open({}), to_open({"never_sent.stl"}), Json{{"do", "cancel"}},
+                            Json{{"do", "open_shipped"}, {"what", "../secret.json"}},
+                            Json{{"do", "remake"}, {"tissue", ""}, {"hold", ""}, {"edge", 0}, {"scale", 0}}})
+    viewed.ask(page.id, wrong);
+  const double time = page.status["time"];  // enough of it for a scene to be opened
+  REQUIRE(page.comes_to([&] { return page.status["time"].get<double>() > time + 0.3; }));
   CHECK(page.choices["opened"] == 0);
   CHECK(page.status["scene"] == "block");
 }

@@ -72,7 +72,7 @@ export class Hands {
   down(event) {
     const {pointerId, offsetX: x, offsetY: y} = event;
     this.stage.canvas.focus();
-    if (pointerId > 0) this.stage.canvas.setPointerCapture(pointerId);
+    if (pointerId >= 0) this.stage.canvas.setPointerCapture(pointerId);
     this.last.set(pointerId, {x, y});
     // A second finger zooms where the first one moves the camera; otherwise it is a second hand.
     if (event.button === 0 && (this.may || this.kind === 'measure') && !event.altKey && this.camera.size === 0) {

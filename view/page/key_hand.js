@@ -7,9 +7,13 @@ export class KeyHand {
     this.stage = stage;
     this.hands = hands;
     this.isOn = false;
-    this.isDown = false;
     this.mark = Object.assign(document.createElement('div'), {id: 'key-hand', hidden: true});
     document.body.append(this.mark);
+  }
+
+  /** Its instrument has begun: until it is let go, by whatever. */
+  get isDown() {
+    return this.hands.actives.has(pointer) || this.hands.camera.has(pointer);
   }
 
   event(more = {}) {
@@ -36,6 +40,7 @@ export class KeyHand {
 
   place() {
     this.mark.style.transform = `translate(${this.x}px, ${this.y}px)`;
+    this.mark.classList.toggle('down', this.isDown);
     this.hands.move(this.event());
   }
 
@@ -55,9 +60,8 @@ export class KeyHand {
 
   /** The instrument begins, or ends. */
   press() {
-    this.isDown = !this.isDown;
+    if (this.isDown) this.hands.up(this.event());
+    else this.hands.down(this.event());
     this.mark.classList.toggle('down', this.isDown);
-    if (this.isDown) this.hands.down(this.event());
-    else this.hands.up(this.event());
   }
 }

@@ -179,6 +179,7 @@ class Page {
   }
 
   takeTopology({topology, fibres, bodies, positions, tools, status}) {
+    if (status?.time < this.status.time) this.organ.wounds.wentBack();
     this.organ.wounds.see(tools ?? []);
     this.bodies.take(status?.bodies ?? []);
     this.organ.held = null;
@@ -302,7 +303,7 @@ class Page {
   showControl(status) {
     this.showBanner();
     if (this.hands.may && !status.controls) this.hands.forget();
-    this.hands.may = status.controls;
+    this.hands.may = this.opener.may = status.controls;
     if (this.mayAct === status.controls) return;
     this.mayAct = status.controls; // as its buttons show
     for (const button of document.querySelectorAll('#dock button, #editor button, #opener button'))

@@ -27,6 +27,7 @@ export class Opener {
     this.tell = tell;
     this.choices = {shipped: [], tissues: [], extensions: [], largest_file: Infinity, chosen: null};
     this.now = {possible: 0, tets: 0}; // of the organ that is simulated
+    this.may = false; // this page controls
     element('open-file').onclick = () => element('open-input').click();
     element('open-input').onchange = ({target}) => {
       this.send([...target.files]);
@@ -71,11 +72,13 @@ export class Opener {
   /** Files one after the other, then asks to open them. What is wrong is said before anything is sent. */
   async send(/** @type {File[]} */ files) {
     if (files.length === 0) return;
+    if (!this.may) return this.tell('Another page holds the instruments: ask for them first.');
     const wrong = files.map(file => this.fault(file)).filter(Boolean);
     if (wrong.length > 0) return this.tell(wrong.join(' '));
     const names = [];
     for (const file of files) {
-      const name = file.name.replace(/[^A-Za-z0-9_.-]/g, '_').replace(/^[.-]+/, '');
+      let name = file.name.replace(/[^A-Za-z0-9_.-]/g, '_').replace(/^[.-]+/, '');
+      while (names.includes(name)) name = `_${name}`;
       this.show(`Sending ${file.name} …`);
       try {
         const query = `token=${new URLSearchParams(location.search).get('token') ?? ''}&name=${name}`;
@@ -149,9 +152,10 @@ export class Opener {
     for (const id of ['tissue', 'hold'])
       if (element(id).value !== chosen[id]) changes[id] = element(id).value;
     if (Number(element('edge').value) !== 0) changes.edge = this.edge();
-    if (Number(element('units').value) === chosen.scale) return changes;
+    const scale = Number(element('units').value);
+    if (scale === chosen.scale) return changes;
     delete changes.edge; // it is that of the body in other units
-    return {...changes, scale: Number(element('units').value)};
+    return {...changes, scale: scale || -1}; // below 0: as lobe finds it
   }
 
   showChoices() {
@@ -162,9 +166,14 @@ export class Opener {
     element('edge-length').textContent = `${(1e3 * edge).toPrecision(2)} mm`;
     const figures = [`${Math.round(Number(tets.toPrecision(3))).toLocaleString('en')} tetrahedra`];
     if (this.now.possible > 0) figures.push(`${speed(this.now, tets).toPrecision(2)} × real time`);
-    figures.push(`moves about ${Math.round(100 * error(tets))} % too little`);
+    figures.push(`error about ${Math.round(100 * error(tets))} %`);
     element('edge-figures').textContent = figures.join(', ');
-    element('remake').disabled = Object.keys(this.changes()).length === 0;
+    const isUnknown = ['tissue', 'hold'].some(id => element(id).value === '');
+    element('remake').disabled = isUnknown || Object.keys(this.changes()).length === 0;
+    const notes = [];
+    if (isUnknown) notes.push('Choose a tissue and a held side: those of this scene are of no such kind.');
+    if (this.choices.is_painted) notes.push('What was painted will be lost.');
+    element('remake-note').textContent = notes.join(' ');
   }
 
   remake() {

@@ -4,30 +4,42 @@
 const keyOf = (rest, a, b, c) =>
   [0, 1, 2].map(k => Math.round(1e6 * (rest[3 * a + k] + rest[3 * b + k] + rest[3 * c + k]))).join();
 
+const memory = 1000; // of an instrument that has left [ms]
+
 export class Wounds {
   constructor() {
     this.known = new Map(); // key of an opened face → 1: cut, 2: charred
-    this.cutters = []; // that opened something last
+    this.cutters = new Map(); // tool → {cutter, at}, when it was seen last
+    this.mayForget = false;
   }
 
   /** The organ is another one. */
   forget() {
     this.known.clear();
-    this.cutters = [];
+    this.cutters.clear();
   }
 
-  /** @param {{type: string, on: boolean, position: number[], orientation?: number[],
-   *   blade?: number[]}[]} tools */
-  see(tools) {
-    const cutters = tools.filter(({type, on}) => on && (type === 'cautery' || type === 'scalpel'));
-    if (cutters.length > 0) this.cutters = cutters;
+  /** The simulation went back: what is not open any more may be opened otherwise. */
+  wentBack() {
+    this.mayForget = true;
+  }
+
+  /** @param {{tool: number, type: string, on: boolean, position: number[], orientation?: number[],
+   *   blade?: number[]}[]} tools @param {number} now [ms] */
+  see(tools, now = performance.now()) {
+    for (const cutter of tools)
+      if (cutter.on && (cutter.type === 'cautery' || cutter.type === 'scalpel'))
+        this.cutters.set(cutter.tool, {cutter, at: now});
+    for (const [tool, {at}] of this.cutters)
+      if (now - at > memory && this.cutters.size > 1) this.cutters.delete(tool);
   }
 
   /** Of each triangle 0: skin, 1: cut, 2: charred.
    *  @param {{triangles: Uint32Array, rest: Float32Array, cut: Uint8Array}} surface
    *  @param {Float32Array} x present positions of its vertices */
   kinds({triangles, rest, cut}, x) {
-    const kinds = cut.slice();
+    const kinds = cut.slice(),
+      present = new Map();
     for (let t = 0; t < cut.length; ++t) {
       if (!cut[t]) continue;
       const [a, b, c] = triangles.subarray(3 * t, 3 * t + 3),
@@ -35,14 +47,17 @@ export class Wounds {
       const middle = k => (x[3 * a + k] + x[3 * b + k] + x[3 * c + k]) / 3;
       if (!this.known.has(key)) this.known.set(key, this.kindOf([0, 1, 2].map(middle)));
       kinds[t] = this.known.get(key);
+      present.set(key, kinds[t]);
     }
+    if (this.mayForget) this.known = present;
+    this.mayForget = false;
     return kinds;
   }
 
   kindOf(point) {
     let nearest = null,
       least = Infinity;
-    for (const cutter of this.cutters) {
+    for (const {cutter} of this.cutters.values()) {
       const distance = distanceTo(cutter, point);
       if (distance < least) [nearest, least] = [cutter, distance];
     }

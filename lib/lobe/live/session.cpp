@@ -213,7 +213,8 @@ void Session<Real>::control(const HandCommand& command) {
 template <class Real>
 void Session<Real>::go_back(const HandCommand& command) {
   const bool restarts = command.kind == Kind::restart;
-  if (!restarts && !is_above_0(command.value)) throw InputError("back", "must be by more than 0 s");
+  if (!restarts && command.value != 0 && !is_above_0(command.value))
+    throw InputError("back", "must be by 0 s or more");
   const double from = world_.time();
   hands_.forget();
   restarts ? timeline_.restart() : timeline_.go_back(command.value);

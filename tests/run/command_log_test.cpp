@@ -129,6 +129,22 @@ TEST_CASE("a log is the list of its entries, and so are its copies and what is r
   check_is(CommandLog(entries), entries);
 }
 
+TEST_CASE("a command that attaches tissue to the world is read back") {
+  StrandSetup strand;
+  strand.from = {3, {0.25, 0.25, 0.25, 0.25}};
+  strand.anchor = {0.1, 0.2, 0.3};
+  strand.stiffness = 7;
+  CommandLog log;
+  log.push_back(Command(Attach{{"ligament", 0.5, 3, {strand}}}), 1, true);
+  strand.to = {4, {1, 0, 0, 0}};
+  log.push_back(Command(Attach{{"bed", 0.5, 3, {strand, strand}}}), 2, true);
+  log.push_back(Command(Detach{"bed"}), 3, true);
+  check_is(read_back(log), log.all());
+  strand.from.tet = -1;
+  log.push_back(Command(Attach{{"nowhere", 0.5, 3, {strand}}}), 4, true);
+  CHECK_THROWS_AS(read_back(log).all(), InputError);
+}
+
 TEST_CASE("frames in which nothing is done take no memory, poses of a hand 20 bytes, and nothing is moved") {
   CHECK(bytes_per_frame(false, 1'000'000) == 0);
   CHECK(bytes_per_frame(true, 100'000) < 24);

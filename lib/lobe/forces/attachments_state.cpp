@@ -2,8 +2,8 @@
 #include <utility>
 
 #include "lobe/error.h"
-#include "lobe/file/fields.h"
 #include "lobe/forces/attachments.h"
+#include "lobe/forces/saved_terms.h"
 #include "lobe/text.h"
 
 namespace lobe {

@@ -1,7 +1,7 @@
 // Threads as they are saved, set up again and drawn.
 #include <algorithm>
 
-#include "lobe/forces/saved_events.h"
+#include "lobe/forces/saved_terms.h"
 #include "lobe/forces/threads.h"
 
 namespace lobe {

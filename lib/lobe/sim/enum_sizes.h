@@ -1,7 +1,8 @@
-// How many values the enumerations have that checkpoints and recordings keep.
+// How many values the enumerations have that checkpoints and recordings keep, and how commands are read back.
 #pragma once
 
 #include "lobe/file/fields.h"
+#include "lobe/forces/saved_terms.h"
 #include "lobe/organ/left_out_fields.h"
 #include "lobe/organ/report.h"
 #include "lobe/tool/tools.h"

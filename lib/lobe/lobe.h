@@ -96,8 +96,8 @@
 //   surface: the boundary triangles of the tetrahedra, with cut faces; for drawing and contact.
 //   skin: a finer textured surface that the tetrahedra carry.
 //   snapshot: state, surface, tools and figures of one moment, copied for other threads.
-//   strand: a straight elastic connection between two points of the tissue, or from one to the world; an
-//     attachment is a set of them.
+//   attachment: what ties bodies to each other or to the world, and may tear: a set of strands.
+//   strand: a straight elastic connection between two points of the tissue, or from one to the world.
 //   bed: strands that cover a part of the surface.
 //   event: what tore, broke or burnt in a frame, with its place and size.
 //   grain: a part of a tetrahedron that a scalpel has cut.

@@ -201,6 +201,7 @@ void attach(PyWorld& world, const std::string& name, const py::object& first, co
             double stiffness, double strength, double softening, double slack, bool to_world) {
   const Mat3X<double> from = columns3(first, "first"), to = columns3(second, "second");
   if (from.cols() != to.cols()) throw InputError("second", "must have as many points as first");
+  if (!(stiffness > 0)) throw InputError("stiffness", "must be above 0 N/m");
   AttachmentSetup attachment;
   attachment.name = name;
   attachment.softening = softening;

@@ -315,7 +315,15 @@ TEST_CASE("a strip is peeled off with the force G b / (1 - cos angle)") {
 }
 
 TEST_CASE("a world goes on with the same bits from the middle of a peel") {
-  const Setup setup = lifted(tied_blocks(2), 0.05);
+  Setup setup = lifted(tied_blocks(2), 0.05);
+  SUBCASE("of a bed between two bodies") {}
+  SUBCASE("of a bed that ends in the world") {
+    for (StrandSetup& strand : setup.attachments[0].strands) {
+      strand.anchor =
+          setup.mesh.points(Eigen::all, setup.mesh.tets.col(strand.from.tet)) * strand.from.weights;
+      strand.from = std::exchange(strand.to, {});
+    }
+  }
   World<float> world(setup);
   for (int i = 0; i < 12; ++i) REQUIRE(world.advance(0.02).ok);
   const AttachmentFigures middle = attachment_figures(world).at(0);
@@ -363,6 +371,14 @@ TEST_CASE("a cautery burns the strands that it meets, and a scalpel cuts them") 
     scalpel.heels = {{0.015, -0.01, 0.0105}, {0.015, 0.03, 0.0105}};
     setup.scalpels = {scalpel};
   }
+  const bool is_cautery = !setup.cauteries.empty();
+  Index met = 0;
+  for (const StrandSetup& strand : setup.attachments[0].strands) {
+    const Mat34<double> corners = tet_points(setup.mesh, strand.from.tet);
+    const double x = (corners * strand.from.weights).x();
+    met += is_cautery ? std::abs(x - 0.0111) < 4e-4 : x > 0.005 && x < 0.015;
+  }
+  CHECK(met == (is_cautery ? 3 : 6));
   World<double> world(setup);
   const Index before = figures_of(world).strands;
   Index removed = 0;
@@ -373,9 +389,36 @@ TEST_CASE("a cautery burns the strands that it meets, and a scalpel cuts them") 
   }
   const AttachmentFigures after = figures_of(world);
   CHECK(removed == 0);
-  CHECK(after.cut.count > 0);
+  CHECK(after.cut.count == met);
   CHECK(after.torn.count == 0);
   CHECK(after.strands + after.cut.count == before);
+}
+
+TEST_CASE("tissue that a cautery burns is an event, with its volume and its place") {
+  Setup setup = tied_blocks();
+  setup.attachments.clear();
+  CauterySetup cautery;
+  cautery.radius = 1e-3;
+  cautery.path = {{0, {0.003, 0.004, 0.002}}, {0.1, {0.003, 0.004, 0.002}}};
+  setup.cauteries = {cautery};
+  World<double> world(setup);
+  const Report report = world.advance(0.02);
+  REQUIRE(report.tets_removed > 0);
+  REQUIRE(report.events.size() == 1);
+  const Event& event = report.events[0];
+  double volume = 0;
+  Vec3d centre = Vec3d::Zero();
+  for (Index t = 0; t < setup.mesh.tet_count(); ++t) {
+    if (world.elements().topology.alive(t)) continue;
+    const double of_tet = signed_volume(tet_points(setup.mesh, t));
+    volume += of_tet;
+    centre += of_tet * barycentre(setup.mesh, t);
+  }
+  CHECK(event.kind == Event::Kind::burnt);
+  CHECK(event.size == near(volume, 1e-12));
+  REQUIRE(event.place);
+  CHECK((*event.place - centre / volume).norm() < 1e-12);
+  CHECK(event.text.empty());
 }
 
 TEST_CASE("strands go with the tissue of their ends, and stay on their side of a cut") {
@@ -422,7 +465,7 @@ TEST_CASE("attachments that cannot be made are refused, and change nothing") {
   AttachmentSetup other = bed;
   CHECK(tie_refusal(world, Detach{"bed"}) == "attachment \"bed\": there is none of this name");
   other.strands.clear();
-  CHECK(tie_refusal(world, Attach{other}) == "attachment: attachment \"bed\" has no strand");
+  CHECK(tie_refusal(world, Attach{other}) == "command: attachment \"bed\" has no strand");
   other = bed;
   other.strands[0].to.tet = other.strands[0].from.tet;
   CHECK(tie_refusal(world, Attach{other}).find("has a strand with both ends in tetrahedron") !=
@@ -450,6 +493,8 @@ TEST_CASE("attachments that cannot be made are refused, and change nothing") {
   CHECK(figures_of(world).strands == 0);
   CHECK(figures_of(world).cut.energy == near(stored, 1e-12));
   CHECK(world.energies().applied == 0);
+  world.apply(Attach{bed});  // nothing was left of it
+  CHECK(figures_of(world).area == near(bed_area, 1e-12));
   setup.attachments = {bed, bed};
   CHECK_THROWS_AS(World<double>{setup}, InputError);
 }

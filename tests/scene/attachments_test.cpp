@@ -6,6 +6,7 @@
 #include "lobe/error.h"
 #include "lobe/mesh/generators.h"
 #include "lobe/scene/describe.h"
+#include "lobe/scene/each_selector.h"
 #include "lobe/scene/read_scene.h"
 #include "lobe/scene/resolve.h"
 #include "lobe/scene/write_scene.h"
@@ -104,7 +105,7 @@ TEST_CASE("a bed becomes strands to the nearest points, which stand for its area
   const Resolved fine = resolve(tied(plain_bed, R"({"spacing": 0.0035})"), two_plates());
   CHECK(fine.setup.attachments[0].strands.size() == 4 * 16);
   const Resolved held =
-      resolve(tied(plain_bed, R"({"to": null, "to_world": true, "from": {"label": 1}})"), two_plates());
+      resolve(tied(plain_bed, R"({"to": null, "within": null, "to_world": true})"), two_plates());
   for (const StrandSetup& strand : held.setup.attachments[0].strands) {
     CHECK(strand.ends_in_world());
     CHECK(strand.length == 0);
@@ -138,4 +139,24 @@ TEST_CASE("attachments that tie nothing are refused with their place") {
   const json twice = json::array({json::parse(plain_bed), json::parse(plain_bed)});
   CHECK(tie_faults(plain_bed, "{}", json{{"attachments", twice}}.dump()) ==
         "/attachments/1/name: \"bed\" is the name of /attachments/0 already");
+}
+
+TEST_CASE("what an attachment ties to the world or to what is held is not loose") {
+  constexpr const char* only_below = R"({"boundary": [{"fix": true,
+    "where": {"box": {"min": [-1, -1, -1], "max": [1, 1, 0]}}}]})";
+  const auto warnings = [&](const std::string& rest) {
+    std::string all;
+    for (const std::string& warning : resolve(tied(plain_bed, "{}", rest), two_plates()).warnings)
+      all += warning + "\n";
+    return all;
+  };
+  json loose = json::parse(only_below);
+  CHECK(warnings(loose.dump()).find("is not held") == std::string::npos);
+  loose["attachments"] = json::array();
+  CHECK(warnings(loose.dump()).find("is not held") != std::string::npos);
+}
+
+TEST_CASE("a bed that selects by number selects something else on another mesh") {
+  CHECK(!selects_by_number(tied(plain_bed)));
+  CHECK(selects_by_number(tied(plain_bed, R"({"from": {"label": null, "vertices": [0, 1, 2]}})")));
 }

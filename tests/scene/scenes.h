@@ -45,7 +45,7 @@ inline const std::string full_scene = R"({
   ],
   "attachments": [
     {"name": "bed", "softening": 4, "bed": {"from": {"label": 1}, "to": {"label": 2}, "within": 0.004, "spacing": 0.0025, "stiffness": 7e6, "fracture_energy": 50}},
-    {"name": "wall", "bed": {"from": {"label": 2}, "to_world": true, "within": 0, "stiffness": 1e6}},
+    {"name": "wall", "bed": {"from": {"label": 2}, "to_world": true, "stiffness": 1e6}},
     {"name": "round ligament", "ligament": {"from": [0, 0, 0], "to": [0.01, 0, 0], "stiffness": 300, "slack": 0.002, "strength": 4}},
     {"name": "suspension", "ligament": {"from": [0, 0, 0], "to_world": [0, 0, 0.1], "stiffness": 200}}
   ],

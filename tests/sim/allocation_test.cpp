@@ -111,6 +111,20 @@ std::vector<std::pair<std::string, Setup>> all_kinds() {
     stitch.ties = {{0, 2, 0, 0.01, 1}};
     s.stitches = {stitch};
   });
+  add("a bed that tears", held, [&](Setup& s) {
+    AttachmentSetup bed;
+    bed.name = "bed";
+    bed.holds_until = 1e-9;
+    const Locator locator(mesh);
+    for (int i = 0; i < 40; ++i) {
+      StrandSetup& strand = bed.strands.emplace_back();
+      const Vec3d X(0.03 + 0.001 * i, 0.05, 0.06);
+      strand.from = embed(locator, X).point;
+      strand.anchor = X;
+      strand.stiffness = 1 + i;
+    }
+    s.attachments = {bed};
+  });
   return kinds;
 }
 

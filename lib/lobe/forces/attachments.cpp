@@ -15,11 +15,11 @@ double intact_share(const AttachmentSetup& attachment, double m) {
   return m < c * holds ? (c * holds - m) / ((c - 1) * m) : 0;
 }
 
-// What damage has taken up in a strand [J].
-double damage_energy(const AttachmentSetup& attachment, const StrandSetup& strand) {
+// What damage has taken up in a strand whose largest elongation so far is m [J].
+double damage_energy(const AttachmentSetup& attachment, const StrandSetup& strand, double m) {
   const double holds = attachment.holds_until, c = attachment.softening;
-  if (strand.reached <= holds) return 0;
-  const double beyond = std::min(strand.reached, c * holds) - holds;
+  if (m <= holds) return 0;
+  const double beyond = std::min(m, c * holds) - holds;
   return strand.stiffness / 2 * c * holds * beyond / (c - 1);
 }
 
@@ -47,14 +47,16 @@ template <class Real>
 void Attachments<Real>::attach(const AttachmentSetup& attachment, const Topology& topology) {
   const std::string whose = "attachment \"" + attachment.name + "\"";
   attachment.check([](bool holds, const std::string& fault) {
-    if (!holds) throw InputError("attachment", fault);
+    if (!holds) throw InputError("command", fault);
   });
-  for (const Attachment& other : state_.attachments)
-    if (other.now.name == attachment.name) throw InputError(whose, "there is one of this name already");
+  const auto same = std::find_if(state_.attachments.begin(), state_.attachments.end(),
+                                 [&](const Attachment& other) { return other.now.name == attachment.name; });
+  const bool is_known = same != state_.attachments.end();
+  if (is_known && !same->now.strands.empty()) throw InputError(whose, "there is one of this name already");
   for (const StrandSetup& strand : attachment.strands)
     if (!exists(strand.from, topology) || !(strand.ends_in_world() || exists(strand.to, topology)))
       throw InputError(whose, "has an end in a tetrahedron that does not exist");
-  state_.attachments.emplace_back().now = attachment;
+  (is_known ? *same : state_.attachments.emplace_back()).now = attachment;
   is_arranged_ = false;
 }
 
@@ -73,8 +75,9 @@ void Attachments<Real>::cut(Attachment& attachment, const At* at, IsGone&& is_go
     StrandsGone& gone = attachment.cut;
     ++gone.count;
     gone.area += strand.area;
-    gone.energy += damage_energy(attachment.now, strand);
-    if (at) gone.energy += energy_of(attachment.now, strand, elongation_of(strand, *at));
+    const double elongation = at ? elongation_of(strand, *at) : 0;
+    gone.energy += damage_energy(attachment.now, strand, std::max(strand.reached, elongation)) +
+                   energy_of(attachment.now, strand, elongation);
     return true;
   });
   if (removed > 0) is_arranged_ = false;
@@ -158,7 +161,7 @@ void Attachments<Real>::damage(Strand& strand, double elongation, const At& at) 
   for (StrandsGone* gone : {&attachment.torn, &attachment.torn_since}) {
     ++gone->count;
     gone->area += of_state.area;
-    gone->energy += damage_energy(attachment.now, of_state);
+    gone->energy += damage_energy(attachment.now, of_state, of_state.reached);
   }
   has_torn_ = true;
 }
@@ -278,7 +281,7 @@ std::vector<AttachmentFigures> Attachments<Real>::figures(const At& at) const {
       figures.area += strand.area;
       figures.tension = std::max(figures.tension, tension_of(attachment.now, strand, elongation));
       figures.stored += energy_of(attachment.now, strand, elongation);
-      figures.released += damage_energy(attachment.now, strand);
+      figures.released += damage_energy(attachment.now, strand, std::max(strand.reached, elongation));
     }
   }
   return all;

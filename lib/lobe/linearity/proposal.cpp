@@ -224,14 +224,18 @@ class Proposer {
   Proposal proposal_;
 };
 
+// The inside of a condensed region bears no load that turns, and nothing can pull at it.
+bool may_be_condensed(const Setup& setup) {
+  return setup.pressures.empty() && setup.stitches.empty() && setup.attachments.empty();
+}
+
 }  // namespace
 
 Proposal propose_regions(const Setup& setup, std::vector<Gesture> gestures, const ProposalOptions& options) {
   if (!(options.tolerance > 0 && options.tolerance < 1))
     throw InputError("tolerance", rounded(options.tolerance) + ", must be above 0 and below 1");
   ProposalOptions possible = options;
-  // The inside of a condensed region bears no load that turns.
-  possible.condense = options.condense && setup.pressures.empty();
+  possible.condense = options.condense && may_be_condensed(setup);
   return Proposer(setup, std::move(gestures), possible).propose();
 }
 
@@ -241,7 +245,7 @@ Proposal propose_regions_to_correct(const Setup& setup, const std::vector<Gestur
   // body would be condensed that most of what moves would be its interface.
   constexpr double correctable = 3, most = 0.07;
   const double asked = options.tolerance;
-  if (options.condense && setup.pressures.empty() && setup.precomputed_frame == RegionFrame::fixed &&
+  if (options.condense && may_be_condensed(setup) && setup.precomputed_frame == RegionFrame::fixed &&
       !any_nodal_pressure(setup.materials)) {
     options.tolerance = std::max(asked, std::min(correctable * asked, most));
     options.tensor_mass = false;

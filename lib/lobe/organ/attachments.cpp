@@ -1,4 +1,6 @@
 // Attachments in an Organ, and what tools cut of force terms.
+#include <algorithm>
+
 #include "lobe/error.h"
 #include "lobe/organ/organ.h"
 #include "lobe/scalpel/sheet.h"
@@ -28,11 +30,10 @@ void Organ<Real>::perform(const Attach& edit) {
     for (const EmbeddedPoint* end : {&strand.from, &strand.to}) {
       if (end->tet < 0) continue;
       check_tets({end->tet});
-      for (const Index v : elements().topology.corners(end->tet))
-        if (body_.regions.is_interior(v) && body_.regions.follows(v))
-          throw InputError("attachment \"" + edit.attachment.name + "\"",
-                           "cannot end in tetrahedron " + std::to_string(end->tet) +
-                               ": it is inside of a precomputed region; expand that, or make it tensor-mass");
+      if (elements().region_of[std::size_t(end->tet)] == RegionModel::precomputed)
+        throw InputError("attachment \"" + edit.attachment.name + "\"",
+                         "cannot end in tetrahedron " + std::to_string(end->tet) +
+                             " of a precomputed region, where nothing can pull: make it tensor-mass");
     }
   change_attachments([&](auto& attachments) { attachments.attach(edit.attachment, elements().topology); });
 }
@@ -49,7 +50,9 @@ void Organ<Real>::sever(const SweptVolume& volume) {
 
 template <class Real>
 void Organ<Real>::sever(const BladeMove& move) {
-  if (body_.terms.empty()) return;
+  if (std::none_of(body_.terms.begin(), body_.terms.end(),
+                   [](const auto& term) { return term->name() == Attachments<Real>::term_name; }))
+    return;
   constexpr double half_thickness = 2e-4;  // of a blade [m]
   const Sheet sheet({move.from.tip, move.from.heel}, {move.to.tip, move.to.heel});
   const Vec3d reach = Vec3d::Constant(half_thickness);

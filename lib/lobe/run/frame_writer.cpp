@@ -13,10 +13,11 @@
 namespace lobe {
 namespace {
 
-std::string numbered(const char* format, std::size_t number) {
-  char name[64];
-  std::snprintf(name, sizeof name, format, number);
-  return name;
+// name_0007.suffix
+std::string numbered(const std::string& name, std::size_t number, const char* suffix) {
+  char digits[32];
+  std::snprintf(digits, sizeof digits, "_%04zu", number);
+  return name + digits + suffix;
 }
 
 using Json = nlohmann::ordered_json;
@@ -82,7 +83,7 @@ void FrameWriter::record(World<Real>& world, const Mat3X<double>& reactions, boo
   if (!frame_due && !picture_due && !last) return;
   // A run that ended early may be at the time of its last frame, perhaps with more cuts.
   if (!frames_.empty() && frames_.back().first == world.time()) frames_.pop_back();
-  const std::string frame = numbered("frame_%04zu.vtu", frames_.size());
+  const std::string frame = numbered("frame", frames_.size(), ".vtu");
   const Mat3X<double> u = world.state().u.template cast<double>(),
                       v = world.state().v.template cast<double>();
   if (const Grains* grains = world.grains())
@@ -106,7 +107,7 @@ void FrameWriter::record_lines(World<Real>& world) {
     now.try_emplace(term);
   }
   for (const auto& [term, lines] : now) {
-    const std::string file = numbered((term + "_%04zu.vtp").c_str(), frames_.size() - 1);
+    const std::string file = numbered(term, frames_.size() - 1, ".vtp");
     write_lines(directory_ / file, lines);
     lines_[term].emplace_back(world.time(), file);
   }

@@ -18,6 +18,11 @@ void for_each_selector(SceneType& scene, const Visit& visit) {
   for (auto& boundary : scene.boundary) visit(boundary.where, false);
   for (auto& tool : scene.tools)
     if (tool.where) visit(*tool.where, false);
+  for (auto& attachment : scene.attachments)
+    if (auto* bed = std::get_if<SceneBed>(&attachment.what)) {
+      visit(bed->from, false);
+      if (bed->to) visit(*bed->to, false);
+    }
 }
 
 // The selectors that this one is made of; none if it is simple.

@@ -19,6 +19,21 @@ std::vector<char> held_from_the_start(const Setup& setup) {
   return held;
 }
 
+// Whether an attachment ties a tetrahedron to the world or to what is held.
+std::vector<char> tied_tets(const Setup& setup, const std::vector<char>& held) {
+  std::vector<char> tied(std::size_t(setup.mesh.tet_count()), 0);
+  const auto is_held = [&](Index tet) {
+    const auto corners = setup.mesh.tets.col(tet);
+    return std::any_of(corners.begin(), corners.end(), [&](Index v) { return held[std::size_t(v)] != 0; });
+  };
+  for (const AttachmentSetup& attachment : setup.attachments)
+    for (const StrandSetup& strand : attachment.strands) {
+      if (strand.ends_in_world() || is_held(strand.to.tet)) tied[std::size_t(strand.from.tet)] = 1;
+      if (!strand.ends_in_world() && is_held(strand.from.tet)) tied[std::size_t(strand.to.tet)] = 1;
+    }
+  return tied;
+}
+
 }  // namespace
 
 // Of a body that nothing holds at all another warning says so, and one that an obstacle may carry has none.
@@ -27,12 +42,15 @@ void warn_of_unheld_pieces(Resolution& resolution) {
   if ((setup.prescribed.empty() && setup.partly_held.empty()) || !setup.contact.obstacles.empty()) return;
   std::vector<std::vector<Index>> open = Topology(setup.mesh).pieces();
   std::vector<char> held = held_from_the_start(setup);
+  std::vector<char> tied;
   const auto touches = [&](Index tet) {
     const auto corners = setup.mesh.tets.col(tet);
-    return std::any_of(corners.begin(), corners.end(), [&](Index v) { return held[std::size_t(v)] != 0; });
+    return tied[std::size_t(tet)] ||
+           std::any_of(corners.begin(), corners.end(), [&](Index v) { return held[std::size_t(v)] != 0; });
   };
   for (std::size_t before = open.size() + 1; before > open.size();) {
     before = open.size();
+    tied = tied_tets(setup, held);
     std::erase_if(open, [&](const std::vector<Index>& piece) {
       if (std::none_of(piece.begin(), piece.end(), touches)) return false;
       for (const Index t : piece)

@@ -196,7 +196,7 @@ ordered_json write(const SceneBed& bed) {
     entry["to"] = selector(*bed.to);
   else
     entry["to_world"] = true;
-  entry["within"] = bed.within;
+  if (bed.to) entry["within"] = bed.within;
   if (bed.spacing > 0) entry["spacing"] = bed.spacing;
   entry["stiffness"] = bed.stiffness;
   if (bed.fracture_energy) entry["fracture_energy"] = *bed.fracture_energy;

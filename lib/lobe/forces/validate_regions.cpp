@@ -32,7 +32,8 @@ void validate_lattice_parts(const Lattice& lattice, const Elements& elements) {
 
 // An embedded vertex has a part that moves it, and the nodes have its mass and move.
 template <class Real>
-void validate_embedding(const LatticeRegion<Real>& region, const Elements& elements, const Nodes<Real>& nodes) {
+void validate_embedding(const LatticeRegion<Real>& region, const Elements& elements,
+                        const Nodes<Real>& nodes) {
   const Embedding& embedding = region.embedding();
   const Lattice& lattice = region.lattice();
   double embedded = 0;  // [kg]
@@ -45,14 +46,12 @@ void validate_embedding(const LatticeRegion<Real>& region, const Elements& eleme
     embedded += lumped_mass(elements, v);
   }
   for (const Index t : embedding.full)
-    lobe_assert(elements.is_in(RegionModel::reduced, t),
-                "lattice: a full tetrahedron that is not reduced");
+    lobe_assert(elements.is_in(RegionModel::reduced, t), "lattice: a full tetrahedron that is not reduced");
   const double mass = std::accumulate(embedding.mass.begin(), embedding.mass.end(), 0.0);
   lobe_assert(embedding.mass.size() == std::size_t(lattice.node_count()) && mass >= embedded * (1 - 1e-9),
               "lattice: masses of nodes");
-  lobe_assert(nodes.u.cols() == lattice.node_count() &&
-                  nodes.v.cols() == lattice.node_count() && nodes.u.allFinite() &&
-                  nodes.v.allFinite(),
+  lobe_assert(nodes.u.cols() == lattice.node_count() && nodes.v.cols() == lattice.node_count() &&
+                  nodes.u.allFinite() && nodes.v.allFinite(),
               "lattice: one finite displacement and velocity per node");
 }
 
@@ -115,8 +114,8 @@ RegionMass mass_of_regions(const Regions<Real>& regions, const Model& model) {
   return mass;
 }
 
-#define LOBE_INSTANTIATE(Real)                                                               \
-  template void validate_regions(const Regions<Real>&, const Model&, const Motion<Real>&);   \
+#define LOBE_INSTANTIATE(Real)                                                             \
+  template void validate_regions(const Regions<Real>&, const Model&, const Motion<Real>&); \
   template RegionMass mass_of_regions(const Regions<Real>&, const Model&);
 LOBE_INSTANTIATE(float)
 LOBE_INSTANTIATE(double)

@@ -123,6 +123,16 @@ TEST_CASE(
   }
 }
 
+TEST_CASE("the time step at rest of a material with nodal pressure is that of non-linear tetrahedra") {
+  Setup setup = setup_of(irregular_box(3), RegionModel::nonlinear);
+  setup.materials[0].lambda = 30 * setup.materials[0].mu;
+  const double plain = World<double>(setup).time_step_limit();
+  setup.materials[0].nodal_pressure = 1;
+  const double limit = World<double>(setup).time_step_limit();
+  CHECK(limit > 1.05 * plain);
+  CHECK(rest_time_step(setup.mesh, setup.materials[0]) == near(limit, 1e-9));
+}
+
 TEST_CASE("on an organ 2/ω_max is found to 1 % in fewer than 50 evaluations of forces") {
   const TetMesh mesh = read_mesh(LOBE_DATA_DIR "/meshes/liver_2k.vtu").mesh;
   for (double share : {0.0, 1.0}) {

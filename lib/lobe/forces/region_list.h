@@ -51,6 +51,13 @@ void visit_regions(List& list, Visit&& visit) {
   std::apply([&](auto&... region) { (call(region), ...); }, list);
 }
 
+// Whether tetrahedra of this model are linear at all times: pre-computed ones are not while they are expanded.
+inline constexpr bool is_always_linear(RegionModel model) {
+  return is_linear(model) && model != RegionModel::precomputed;
+}
+// The model that has all that a material asks for: its law, its volume term, its nodal pressure.
+inline constexpr RegionModel full_model = RegionModel::nonlinear;
+
 // A tangle of non-linear tetrahedra is unravelled as one of linear ones, which come back by themselves.
 inline constexpr RegionModel tangling_model = RegionModel::nonlinear;
 inline constexpr RegionModel unravelling_model = RegionModel::tensor_mass;

@@ -6,6 +6,25 @@
 namespace lobe {
 namespace {
 
+// visit_regions() passes over a row that lacks a function. The lattice must have these. A pre-computed region,
+// whose forces are added by name, must not.
+template <class Region, class Real>
+concept AddsForcesOfTets = requires(Region region, const Mat3X<Real>& u, Mat3X<Real>& f, Parallel& parallel) {
+  region.add_forces(u, f, parallel);
+};
+template <class Region, class Real>
+concept FollowsTets = requires(Region region, const Elements& elements, const RegionEdit& edit,
+                               const Mat3X<Real>& u, DiagonalStiffness& K, Parallel& parallel) {
+  region.follow(elements, edit);
+  { region.add_diagonal_stiffness(u, K, parallel) } -> std::same_as<SmallestVolumeRatio>;
+  region.visit_patches([](const auto&, auto&) {});
+};
+template <class Real>
+constexpr bool are_visited_rightly =
+    AddsForcesOfTets<LatticeRegion<Real>, Real>&& FollowsTets<LatticeRegion<Real>, Real> &&
+    !AddsForcesOfTets<PrecomputedRegion<Real>, Real> && !FollowsTets<PrecomputedRegion<Real>, Real>;
+static_assert(are_visited_rightly<float> && are_visited_rightly<double>);
+
 template <class Real>
 RegionList<Real> region_list(const Setup& setup, const CondensingLog::Progress& progress) {
   return {PrecomputedRegion<Real>(CondensingLog(progress), make_supernodal),

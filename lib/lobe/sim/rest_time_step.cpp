@@ -1,5 +1,6 @@
 #include "lobe/sim/rest_time_step.h"
 
+#include "lobe/forces/region_list.h"
 #include "lobe/sim/world.h"
 
 namespace lobe {
@@ -9,7 +10,7 @@ double rest_time_step(const TetMesh& mesh, const Elastic& elastic) {
   setup.mesh = mesh;
   setup.materials = {elastic};
   setup.material_of.assign(std::size_t(mesh.tet_count()), 0);
-  setup.region_of.assign(std::size_t(mesh.tet_count()), {});  // at rest all have the same
+  setup.region_of.assign(std::size_t(mesh.tet_count()), full_model);
   return World<double>(setup).time_step_limit();
 }
 

@@ -4,13 +4,14 @@
 
 #include "lobe/fem/law.h"
 #include "lobe/fem/law_of.h"
+#include "lobe/forces/region_list.h"
 #include "lobe/numerics/symmetric_eigen.h"
 
 namespace lobe {
 
 CornerStiffness corner_stiffness(const Elements& elements, Index tet, const Mat34<double>& u) {
   const Shape s = elements.shape_of(tet);
-  const bool linear = is_linear(elements.region_of[tet]);
+  const bool linear = is_always_linear(elements.region_of[tet]);
   const Law<double> law = linear ? linear_law(elements, tet) : nonlinear_law(elements, tet);
   const Mat3<double> H = displacement_gradient<double>(u, s.gradients.rightCols<3>());
   CornerStiffness K;

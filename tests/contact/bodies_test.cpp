@@ -112,6 +112,88 @@ TEST_CASE("two blocks that are pressed together shorten as springs in series, wh
   }
 }
 
+namespace {
+
+// ---- Two elastic spheres
+
+struct Spheres {
+  static constexpr double radius = 0.02, depth = 0.0004, size = 0.05;  // [m]
+  static constexpr double young = 2e4, poisson = 0.3;                  // of the softer one
+};
+
+// How far the surface of a sphere has fallen at a distance from its pole; beyond 6 mm it levels off [m].
+double fallen(double r) {
+  constexpr double round_until = 0.006, levels_over = 0.006;
+  const double within = std::min(r, round_until);
+  const double slope = round_until / Spheres::radius;
+  return within * within / (2 * Spheres::radius) +
+         slope * levels_over * (1 - std::exp(-(r - within) / levels_over));
+}
+
+// A quarter of a block below z = 0, whose top is that of a sphere, and whose cells are finest at its pole.
+TetMesh quarter_with_cap(int n) {
+  TetMesh mesh = box_mesh(Vec3d::Constant(1), n, n, n);
+  for (double& s : mesh.points.reshaped()) s = Spheres::size * (0.12 * s + 0.88 * std::pow(s, 5));
+  mesh.points.row(2) *= -1;
+  mesh.tets.row(0).swap(mesh.tets.row(1));
+  for (Index v = 0; v < mesh.vertex_count(); ++v) {
+    const double share = 1 + mesh.points(2, v) / Spheres::size;
+    mesh.points(2, v) -= share * fallen(std::hypot(mesh.points(0, v), mesh.points(1, v)));
+  }
+  return mesh;
+}
+
+TetMesh turned_over(TetMesh mesh) {
+  mesh.points.row(2) *= -1;
+  mesh.tets.row(0).swap(mesh.tets.row(1));
+  return mesh;
+}
+
+// The force between two of them, of a softer and of a stiffer material, over Hertz'. The blocks are layers on
+// rigid ground, each of which is less deep by |a| F/(π E* h) than a half space would be (first order of
+// Dimitriadis et al., Biophysical Journal 82, 2002, equation 11).
+double press_spheres(int n, double contrast) {
+  Setup setup = two_boxes(quarter_with_cap(n), turned_over(quarter_with_cap(n - 2)),
+                          elastic(Spheres::young, Spheres::poisson),
+                          elastic(contrast * Spheres::young, Spheres::poisson));
+  setup.materials[1].density *= contrast;  // that it is no faster
+  setup.region_of.assign(setup.region_of.size(), RegionModel::tensor_mass);
+  setup.prescribed.clear();
+  for (Index v = 0; v < setup.mesh.vertex_count(); ++v) {
+    const Vec3d x = setup.mesh.points.col(v);
+    const Axes axes{x[0] == 0, x[1] == 0, false};
+    if (std::abs(x[2]) > 0.999 * Spheres::size)
+      setup.prescribed.push_back({v, x[2] > 0 ? Vec3d(0, 0, -Spheres::depth) : Vec3d::Zero()});
+    else if (axes[0] || axes[1])
+      setup.prescribed.push_back({v, Vec3d::Zero(), axes});
+  }
+  setup.damping = 120;
+  World<float> world(setup, 2);
+  CHECK(play(world, 0.25).ok);
+  Mat3X<float> f = Mat3X<float>::Zero(3, world.body().motion.u.padded().cols());
+  for (const auto& term : world.body().terms) term->add_forces(world.body().here(), f);
+  const Index first = mesh_of_body(setup.mesh, 0).vertex_count();
+  const double force = 4 * double(f.row(2).middleCols(first, setup.mesh.vertex_count() - first).sum());
+
+  constexpr double nu = Spheres::poisson, pi = EIGEN_PI;
+  const double stiffer = contrast * Spheres::young / (1 - nu * nu), softer = Spheres::young / (1 - nu * nu);
+  const double modulus = 1 / (1 / stiffer + 1 / softer);
+  const double a = (1.2876 - 1.4678 * nu + 1.3442 * nu * nu) / (1 - nu);
+  const double depth = Spheres::depth + a * force / (pi * Spheres::size * modulus);
+  return force / (4.0 / 3 * modulus * std::sqrt(Spheres::radius / 2) * std::pow(depth, 1.5));
+}
+
+}  // namespace
+
+TEST_CASE("two spheres that are pressed together feel Hertz' force, whatever their stiffness") {
+  for (const double contrast : {1.0, 10.0, 100.0}) {
+    CAPTURE(contrast);
+    const double over_hertz = press_spheres(12, contrast);
+    MESSAGE("force over Hertz': " << over_hertz);
+    CHECK(over_hertz == near(1, 0.05));
+  }
+}
+
 TEST_CASE("a block on an incline slips where the slope is above the friction, and stays where it is below") {
   constexpr double friction = 0.3, gravity = 9.81, drag = 5, duration = 0.1;
   struct Meshes {

@@ -169,7 +169,7 @@ double press_spheres(int n, double contrast) {
   }
   setup.damping = 120;
   World<float> world(setup, 2);
-  CHECK(play(world, 0.25).ok);
+  CHECK(play(world, 0.2).ok);
   Mat3X<float> f = Mat3X<float>::Zero(3, world.body().motion.u.padded().cols());
   for (const auto& term : world.body().terms) term->add_forces(world.body().here(), f);
   const Index first = mesh_of_body(setup.mesh, 0).vertex_count();

@@ -89,7 +89,8 @@ TEST_CASE("unknown keys are refused with a suggestion") {
       {R"({"tools": [{"type": "cautery", "radius": 1, "path": [[0, 0, 0, 0]], "release": true}]})",
        "/tools/0: unknown key \"release\"; known here: \"name\", \"path\", \"radius\", \"type\""},
       {R"({"a\nb": 1, "time": {"x~/": 1}})",
-       "scene.json: unknown key \"a\\nb\"; known here: \"$schema\", \"bodies\", \"boundary\", \"comment\", "
+       "scene.json: unknown key \"a\\nb\"; known here: \"$schema\", \"attachments\", \"bodies\", "
+       "\"boundary\", \"comment\", "
        "\"contact\", \"evaluator\", "
        "\"gravity\", \"guard_below\", \"loose_pieces\", \"materials\", \"mesh\", \"mesh_scale\", \"name\", "
        "\"output\", "

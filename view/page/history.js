@@ -18,6 +18,7 @@ export class History {
     this.time = 0; // of the simulation, as last heard [s]
     this.onChange = () => {}; // of the acts
     this.wanted = null; // to be gone back to [s]
+    this.known = null; // the last message that the simulation went back
     bar.onclick = event => {
       if (event.target !== bar) return;
       this.to((this.time * event.offsetX) / bar.clientWidth);
@@ -54,19 +55,29 @@ export class History {
   }
 
   /** The simulation is at this time [s], and knows of the requests up to this number. What it has gone back
-   *  over is forgotten. */
-  take(time, seen = 0) {
-    const before = this.time;
+   *  over is forgotten. @param {{number: number, times: number, text: string}} [back] its last message that it
+   *  went back: from it one hears where to, while it has gone on since */
+  take(time, seen = 0, back = undefined) {
+    const landed = this.landing(time, back);
     this.time = time;
     // By then an act that was asked for has begun, a moment ago.
     for (const act of this.acts)
       if (!act.hasBegun && seen >= act.number && time >= act.time) Object.assign(act, {time, hasBegun: true});
-    if (time < before) {
-      this.forget(Math.min(time, this.wanted ?? time));
-      // It was further ahead than thought.
-      if (this.wanted !== null && time > this.wanted) return this.goBack(time - this.wanted + margin);
-      this.wanted = null;
-    }
+    if (landed === null) return;
+    this.forget(Math.min(landed, this.wanted ?? landed));
+    // It was further ahead than thought. A message has four digits.
+    const isPast = this.wanted !== null && landed > this.wanted + 1e-3 * Math.max(1, landed);
+    if (isPast) return this.goBack(Math.max(0, time - this.wanted) + margin);
+    this.wanted = null;
+  }
+
+  // Where it went back to since the last call [s]; null: it did not.
+  landing(time, back) {
+    const key = back ? `${back.number} ${back.times}` : '',
+      isNews = this.known !== null && key !== this.known;
+    this.known = key;
+    if (isNews && back) return Number(/ to (\S+) s$/.exec(back.text)?.[1] ?? time);
+    return time < this.time ? time : null;
   }
 
   forget(from) {

@@ -218,7 +218,8 @@ class Page {
     if (status.run !== this.run) this.beginAnew(status.run);
     this.messages.take(status.messages ?? []);
     if (status.mode === 'live') {
-      this.history.take(status.time, status.seen);
+      const back = status.messages?.findLast(({name}) => name === 'went_back');
+      this.history.take(status.time, status.seen, back);
       this.forcePlot.pause = this.energyPlot.pause = 1.5 * this.stage.betweenFigures();
       const felt = status.haptic?.force;
       this.forcePlot.add(status.time, [...this.newtons.values, felt ? Math.hypot(...felt) : null]);

@@ -55,8 +55,9 @@ export class History {
   }
 
   /** The simulation is at this time [s], and knows of the requests up to this number. What it has gone back
-   *  over is forgotten. @param {{number: number, times: number, text: string}} [back] its last message that it
-   *  went back: from it one hears where to, while it has gone on since */
+   *  over is forgotten.
+   *  @param {{number: number, times: number, text: string}} [back] its last message that it went back, which
+   *   tells where to, while it has gone on since */
   take(time, seen = 0, back = undefined) {
     const landed = this.landing(time, back);
     this.time = time;

@@ -31,6 +31,7 @@ const cards = () =>
   page.evaluate(() =>
     [...document.querySelectorAll('.message')].map(card => ({
       text: card.querySelector('span').textContent,
+      title: card.title,
       count: card.querySelector('b').textContent,
     })),
   );
@@ -47,10 +48,15 @@ await settle();
 let shown = await cards();
 check(shown.length === 1, `one tetrahedron, told 60 times with other figures, is one card: ${shown.length}`);
 check(
-  shown[0].count === '60 ×' && /0.02060/.test(shown[0].text),
-  `with its count and the last figure: ${shown[0].count}`,
+  shown[0].count === '60 ×' && /crushed/.test(shown[0].text) && /0.02060/.test(shown[0].title),
+  `in plain words, with its count; the last figure is in its title: ${shown[0].count} ${shown[0].text}`,
 );
-await tell(61, 70, [2898, 17, 4, 2000, 311]);
+await page.evaluate(() => document.body.classList.add('details'));
+await tell(61, 61, [2898]);
+await settle();
+check(/0.02061/.test((await cards())[0].text), 'with details, the figure is on it');
+await page.evaluate(() => document.body.classList.remove('details'));
+await tell(62, 70, [2898, 17, 4, 2000, 311]);
 await settle();
 shown = await cards();
 check(shown.length === 3, `five tetrahedra are three cards: ${shown.length}`);

@@ -51,7 +51,7 @@ void visit_regions(List& list, Visit&& visit) {
   std::apply([&](auto&... region) { (call(region), ...); }, list);
 }
 
-// Whether tetrahedra of this model are linear at all times: pre-computed ones are not while they are expanded.
+// Whether tetrahedra of this model are linear at all times. Pre-computed ones are not while expanded.
 inline constexpr bool is_always_linear(RegionModel model) {
   return is_linear(model) && model != RegionModel::precomputed;
 }

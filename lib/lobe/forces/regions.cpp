@@ -6,8 +6,8 @@
 namespace lobe {
 namespace {
 
-// visit_regions() passes over a row that lacks a function. The lattice must have these. A pre-computed region,
-// whose forces are added by name, must not.
+// visit_regions() passes over a row that lacks a function. The lattice must have these. A pre-computed
+// region, whose forces are added by name, must not.
 template <class Region, class Real>
 concept AddsForcesOfTets = requires(Region region, const Mat3X<Real>& u, Mat3X<Real>& f, Parallel& parallel) {
   region.add_forces(u, f, parallel);

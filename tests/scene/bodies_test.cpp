@@ -321,6 +321,7 @@ TEST_CASE("another mesh than that of the bodies is refused, and none can replace
                        InputError);
   Scene scene = boxes.scene();
   CHECK_THROWS_AS(replace_mesh("other.vtu", scene), InputError);
-  CHECK_THROWS_WITH_AS(mesh_path(scene), "scene.json: has several bodies; here a scene of one mesh is needed",
-                       InputError);
+  CHECK_THROWS_WITH_AS(
+      mesh_path(scene),
+      (scene.file.string() + ": has several bodies; here a scene of one mesh is needed").c_str(), InputError);
 }

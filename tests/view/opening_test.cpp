@@ -9,6 +9,7 @@
 #include "inbox.h"
 #include "library.h"
 #include "lobe/error.h"
+#include "near.h"
 #include "opening.h"
 #include "viewed.h"
 
@@ -159,14 +160,14 @@ TEST_CASE("a mesh that is sent is opened with a tissue, changed, and saved as a 
   CHECK(chosen["tissue"] == "kidney");
   CHECK(chosen["hold"].get<std::string>().size() == 2);
   CHECK(chosen["has_own_mesh"] == true);
-  CHECK(chosen["size"][0].get<double>() == doctest::Approx(0.06));  // millimetres, by its size
+  CHECK(chosen["size"][0].get<double>() == near(0.06, 2e-4));  // millimetres, by its size
   CHECK(chosen["tets"] == mesh.tet_count());
 
   viewed.ask(page.id, {{"do", "remake"}, {"tissue", "spleen"}, {"hold", "z-"}, {"edge", 0}, {"scale", 0}});
   REQUIRE(page.opens(2));
   CHECK(page.choices["chosen"]["tissue"] == "spleen");
   CHECK(page.choices["chosen"]["hold"] == "z-");
-  CHECK(page.choices["chosen"]["size"][0].get<double>() == doctest::Approx(0.06));
+  CHECK(page.choices["chosen"]["size"][0].get<double>() == near(0.06, 2e-4));
 
   viewed.ask(page.id, {{"do", "save_scene"}, {"to", "kept"}});
   const Scene kept = read_scene(viewed.folder.path / "kept.json");

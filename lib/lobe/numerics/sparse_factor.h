@@ -31,7 +31,7 @@ class SparseFactor {
 
 using SparseFactorMaker = std::function<std::unique_ptr<SparseFactor>()>;
 
-// Eigen's simplicial L D Lᵀ with METIS nested dissection; takes indefinite matrices.
+// Simplicial L D Lᵀ of Eigen, in the order of fill_ordering.h. It takes indefinite matrices.
 std::unique_ptr<SparseFactor> make_ldlt();
 
 }  // namespace lobe

@@ -140,7 +140,7 @@ struct CutThread {
 
 // ---- Attachments (forces/attachments.h), which have names.
 
-// Ties points to each other or to the world. There must be no attachment of this name.
+// Ties points to each other or to the world. No strand of an attachment of this name may be left.
 struct Attach {
   AttachmentSetup attachment;
   bool operator==(const Attach&) const = default;

@@ -93,8 +93,8 @@ Mat3X<Real> raised(const Setup& setup, const Vec3d& by) {
 template <class Real>
 Mat3X<double> bed_forces(World<Real>& world) {
   Mat3X<Real> f = Mat3X<Real>::Zero(3, world.body().motion.u.padded().cols());
-  for (const auto& term : world.body().terms)
-    if (term->name() == Attachments<Real>::term_name) term->add_forces(world.body().here(), f);
+  if (auto* attachments = term_of<Attachments>(world.body().terms))
+    attachments->add_forces(world.body().here(), f);
   return f.template cast<double>();
 }
 

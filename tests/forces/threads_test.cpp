@@ -52,10 +52,9 @@ Setup block(int n = 4) {
 }
 
 const Threads<double>& threads_of(World<double>& world) {
-  for (const auto& term : world.body().terms)
-    if (term->name() == Threads<double>::term_name) return static_cast<const Threads<double>&>(*term);
-  FAIL("the world has no threads");
-  std::abort();
+  const Threads<double>* threads = term_of<Threads>(world.body().terms);
+  REQUIRE(threads);
+  return *threads;
 }
 
 // Forces of one term on the vertices now [N].

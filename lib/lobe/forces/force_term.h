@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
@@ -104,5 +105,16 @@ class ForceTerm {
   virtual std::string save() const { return {}; }
   virtual void load(const std::string& /*saved*/, Index /*vertices*/) {}
 };
+
+template <class Real>
+using ForceTerms = std::vector<std::shared_ptr<ForceTerm<Real>>>;
+
+// The term of this kind among those of a body; null if there is none.
+template <template <class> class Term, class Real>
+Term<Real>* term_of(const ForceTerms<Real>& terms) {
+  for (const auto& term : terms)
+    if (term->name() == Term<Real>::term_name) return static_cast<Term<Real>*>(term.get());
+  return nullptr;
+}
 
 }  // namespace lobe

@@ -1,27 +1,10 @@
 // Attachments in an Organ, and what tools cut of force terms.
-#include <algorithm>
-
 #include "lobe/error.h"
 #include "lobe/organ/organ.h"
 #include "lobe/scalpel/sheet.h"
 #include "lobe/setup/exclusions.h"
 
 namespace lobe {
-
-template <class Real>
-Attachments<Real>& Organ<Real>::attachments() {
-  return static_cast<Attachments<Real>&>(own_term(Attachments<Real>::term_name));
-}
-
-template <class Real>
-template <class Make>
-void Organ<Real>::change_attachments(const Make& change) {
-  Attachments<Real> trial{Setup()};  // throws before anything changes
-  for (const auto& term : body_.terms)
-    if (term->name() == Attachments<Real>::term_name) trial = static_cast<const Attachments<Real>&>(*term);
-  change(trial);
-  edit_terms({.velocities = true, .followers = true}, [&] { change(attachments()); });
-}
 
 template <class Real>
 void Organ<Real>::perform(const Attach& edit) {
@@ -35,12 +18,13 @@ void Organ<Real>::perform(const Attach& edit) {
                          "cannot end in tetrahedron " + std::to_string(end->tet) +
                              " of a precomputed region, where nothing can pull: make it tensor-mass");
     }
-  change_attachments([&](auto& attachments) { attachments.attach(edit.attachment, elements().topology); });
+  change_term<Attachments>(
+      [&](auto& attachments) { attachments.attach(edit.attachment, elements().topology); });
 }
 
 template <class Real>
 void Organ<Real>::perform(const Detach& edit) {
-  change_attachments([&](auto& attachments) { attachments.detach(edit.attachment, body_.here()); });
+  change_term<Attachments>([&](auto& attachments) { attachments.detach(edit.attachment, body_.here()); });
 }
 
 template <class Real>
@@ -50,9 +34,7 @@ void Organ<Real>::sever(const SweptVolume& volume) {
 
 template <class Real>
 void Organ<Real>::sever(const BladeMove& move) {
-  if (std::none_of(body_.terms.begin(), body_.terms.end(),
-                   [](const auto& term) { return term->name() == Attachments<Real>::term_name; }))
-    return;
+  if (!term_of<Attachments>(body_.terms)) return;
   constexpr double half_thickness = 2e-4;  // of a blade [m]
   const Sheet sheet({move.from.tip, move.from.heel}, {move.to.tip, move.to.heel});
   const Vec3d reach = Vec3d::Constant(half_thickness);

@@ -28,10 +28,9 @@ std::vector<FaceLoad> loads_of_parts(const std::vector<FaceLoad>& loads, const D
 template <class Real>
 std::vector<FacePressure> pressures_now(const Dynamics<Real>& body, const CompactMesh& c) {
   std::vector<FacePressure> found;
-  for (const auto& term : body.terms)
-    if (term->name() == Pressure<Real>::term_name)
-      for (const FacePressure& load : static_cast<const Pressure<Real>&>(*term).faces())
-        if (c.tet_target[load.tet] >= 0) found.push_back({c.tet_target[load.tet], load.face, load.pressure});
+  if (const Pressure<Real>* pressure = term_of<Pressure>(body.terms))
+    for (const FacePressure& load : pressure->faces())
+      if (c.tet_target[load.tet] >= 0) found.push_back({c.tet_target[load.tet], load.face, load.pressure});
   return found;
 }
 
@@ -39,12 +38,11 @@ std::vector<FacePressure> pressures_now(const Dynamics<Real>& body, const Compac
 template <class Real>
 std::vector<StitchSetup> stitches_now(const Dynamics<Real>& body, const CompactMesh& c) {
   std::vector<StitchSetup> found;
-  for (const auto& term : body.terms)
-    if (term->name() == Threads<Real>::term_name)
-      for (StitchSetup stitch : static_cast<const Threads<Real>&>(*term).stitches(body.model.elements)) {
-        for (EmbeddedPoint& bite : stitch.bites) bite.tet = c.tet_target[bite.tet];
-        found.push_back(std::move(stitch));
-      }
+  if (const Threads<Real>* threads = term_of<Threads>(body.terms))
+    for (StitchSetup stitch : threads->stitches(body.model.elements)) {
+      for (EmbeddedPoint& bite : stitch.bites) bite.tet = c.tet_target[bite.tet];
+      found.push_back(std::move(stitch));
+    }
   return found;
 }
 
@@ -52,9 +50,7 @@ std::vector<StitchSetup> stitches_now(const Dynamics<Real>& body, const CompactM
 template <class Real>
 std::vector<AttachmentSetup> attachments_now(const Dynamics<Real>& body, const CompactMesh& c) {
   std::vector<AttachmentSetup> found;
-  for (const auto& term : body.terms)
-    if (term->name() == Attachments<Real>::term_name)
-      found = static_cast<const Attachments<Real>&>(*term).as_setup();
+  if (const Attachments<Real>* present = term_of<Attachments>(body.terms)) found = present->as_setup();
   for (AttachmentSetup& attachment : found)
     for (StrandSetup& strand : attachment.strands)
       for (EmbeddedPoint* end : {&strand.from, &strand.to})

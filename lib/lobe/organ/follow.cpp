@@ -49,8 +49,7 @@ std::vector<double> shares_of(const Elements& elements, const MeshEdit& edit) {
 
 // make() changes rest data, and returns what it has changed.
 template <class Real>
-template <class Make>
-Change Organ<Real>::edit(const Before& before, const Make& make) {
+Change Organ<Real>::edit(const Before& before, const std::function<Change()>& make) {
   if (before.velocities) synchronise_velocities();
   if (before.followers) body_.recover(Regions<Real>::Interior::all);
   Change change;

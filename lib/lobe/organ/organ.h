@@ -158,10 +158,8 @@ class Organ {
  private:
   // ---- An edit, and what follows it
 
-  template <class Make>
-  Change edit(const Before& before, const Make& make);
-  template <class Make>
-  void edit_terms(const Before& before, const Make& make);
+  Change edit(const Before& before, const std::function<Change()>& make);
+  void edit_terms(const Before& before, const std::function<void()>& make);
   void follow(Change& change);
   std::optional<RegionEdit> follow_mesh(const MeshEdit& edit);
   void follow_regions(RegionEdit& edit);
@@ -244,12 +242,15 @@ class Organ {
   void show_body_to(ForceTerm<Real>& term);
   double softening();
   AppliedForces<Real>& applied();
-  Threads<Real>& threads();
-  template <class Make>
-  void change_threads(const Make& change);
-  Attachments<Real>& attachments();
-  template <class Make>
-  void change_attachments(const Make& change);
+  // Changes the term of a kind, which is made if there is none. If change() throws, nothing has changed.
+  template <template <class> class Term>
+  void change_term(const std::function<void(Term<Real>&)>& change) {
+    const Term<Real>* present = term_of<Term>(body_.terms);
+    Term<Real> trial = present ? *present : Term<Real>{Setup()};
+    change(trial);
+    edit_terms({.velocities = true, .followers = true},
+               [&] { change(static_cast<Term<Real>&>(own_term(Term<Real>::term_name))); });
+  }
   void report_lost_forces(const std::vector<Index>& vertices);
 
   Setup setup_;  // loads, gravity, damping …; without the mesh and its materials

@@ -125,8 +125,7 @@ double Organ<Real>::softening() {
 
 // Makes an edit of force terms. Wakes what they have woken and will wake.
 template <class Real>
-template <class Make>
-void Organ<Real>::edit_terms(const Before& before, const Make& make) {
+void Organ<Real>::edit_terms(const Before& before, const std::function<void()>& make) {
   std::vector<Index> woken = body_.woken_by_terms();
   edit(before, [&] {
     make();
@@ -167,9 +166,7 @@ void Organ<Real>::perform(const SetSprings& command) {
 // Without a term there is no spring: an empty one says so before anything changes.
 template <class Real>
 void Organ<Real>::perform(const MoveSprings& command) {
-  const auto is_applied = [](const auto& term) { return term->name() == AppliedForces<Real>::term_name; };
-  if (std::none_of(body_.terms.begin(), body_.terms.end(), is_applied))
-    AppliedForces<Real>().move(command.points);
+  if (!term_of<AppliedForces>(body_.terms)) AppliedForces<Real>().move(command.points);
   applied().move(command.points);
 }
 

@@ -1,6 +1,4 @@
 // Threads in an Organ.
-#include <algorithm>
-
 #include "lobe/error.h"
 #include "lobe/organ/organ.h"
 #include "lobe/setup/exclusions.h"
@@ -8,24 +6,9 @@
 namespace lobe {
 
 template <class Real>
-Threads<Real>& Organ<Real>::threads() {
-  return static_cast<Threads<Real>&>(own_term(Threads<Real>::term_name));
-}
-
-template <class Real>
-template <class Make>
-void Organ<Real>::change_threads(const Make& change) {
-  refuse_excluded(Option::force_terms, options_of(setup_), "thread");
-  Threads<Real> trial{Setup()};  // throws before anything changes
-  for (const auto& term : body_.terms)
-    if (term->name() == Threads<Real>::term_name) trial = static_cast<const Threads<Real>&>(*term);
-  change(trial);
-  edit_terms({.velocities = true, .followers = true}, [&] { change(threads()); });
-}
-
-template <class Real>
 void Organ<Real>::perform(const BringThread& command) {
-  change_threads([&](auto& threads) { threads.bring(command.thread, command.material); });
+  refuse_excluded(Option::force_terms, options_of(setup_), "thread");
+  change_term<Threads>([&](auto& threads) { threads.bring(command.thread, command.material); });
 }
 
 template <class Real>
@@ -37,32 +20,29 @@ void Organ<Real>::perform(const Bite& command) {
       throw InputError("thread " + std::to_string(command.thread),
                        "cannot pass tetrahedron " + std::to_string(tet) +
                            ": it is inside of a precomputed region; expand that, or make it tensor-mass");
-  change_threads([&](auto& threads) { threads.bite(command.thread, command.point, body_.here()); });
+  change_term<Threads>([&](auto& threads) { threads.bite(command.thread, command.point, body_.here()); });
 }
 
 // A hand that holds the thread already is only led: what acts on the body stays the same.
 template <class Real>
 void Organ<Real>::perform(const Pull& command) {
-  const auto leads = [&](const auto& term) {
-    return term->name() == Threads<Real>::term_name &&
-           static_cast<Threads<Real>&>(*term).lead(command.thread, command.point);
-  };
-  if (command.on && std::any_of(body_.terms.begin(), body_.terms.end(), leads))
+  Threads<Real>* threads = term_of<Threads>(body_.terms);
+  if (command.on && threads && threads->lead(command.thread, command.point))
     return body_.sleep.wake(body_.woken_by_terms(), body_);
-  change_threads(
+  change_term<Threads>(
       [&](auto& threads) { threads.pull(command.thread, command.on, command.point, body_.here()); });
 }
 
 template <class Real>
 void Organ<Real>::perform(const Tie& command) {
-  change_threads([&](auto& threads) {
+  change_term<Threads>([&](auto& threads) {
     threads.tie(command.thread, command.from, command.to, command.tighten, command.over, body_.here());
   });
 }
 
 template <class Real>
 void Organ<Real>::perform(const CutThread& command) {
-  change_threads([&](auto& threads) { threads.cut(command.thread, command.after); });
+  change_term<Threads>([&](auto& threads) { threads.cut(command.thread, command.after); });
 }
 
 }  // namespace lobe

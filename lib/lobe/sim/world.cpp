@@ -182,12 +182,10 @@ std::vector<PlacedTool> placed_tools(World<Real>& world) {
 template <class Real>
 std::vector<ThreadLine> thread_lines(World<Real>& world) {
   Dynamics<Real>& body = world.body();
-  for (const auto& term : body.terms)
-    if (term->name() == Threads<Real>::term_name) {
-      body.recover_followers();
-      return static_cast<const Threads<Real>&>(*term).drawn(body.here());
-    }
-  return {};
+  const Threads<Real>* threads = term_of<Threads>(body.terms);
+  if (!threads) return {};
+  body.recover_followers();
+  return threads->drawn(body.here());
 }
 
 template <class Real>
@@ -206,12 +204,10 @@ std::vector<TermLines> term_lines(World<Real>& world) {
 template <class Real>
 std::vector<AttachmentFigures> attachment_figures(World<Real>& world) {
   Dynamics<Real>& body = world.body();
-  for (const auto& term : body.terms)
-    if (term->name() == Attachments<Real>::term_name) {
-      body.recover_followers();
-      return static_cast<const Attachments<Real>&>(*term).figures(body.here());
-    }
-  return {};
+  const Attachments<Real>* attachments = term_of<Attachments>(body.terms);
+  if (!attachments) return {};
+  body.recover_followers();
+  return attachments->figures(body.here());
 }
 
 // ---- For observers

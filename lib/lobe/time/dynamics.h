@@ -28,7 +28,7 @@ struct Dynamics {
   Regions<Real> regions;
   Loads<Real> loads;
   HoldSprings<Real> hold_springs;
-  std::vector<std::shared_ptr<ForceTerm<Real>>> terms;
+  ForceTerms<Real> terms;
   Inertia<Real> inertia;
   Sleep sleep;
   Parallel parallel;

@@ -14,7 +14,7 @@ namespace lobe {
 namespace {
 
 template <class Real>
-constexpr io::Format format{std::is_same_v<Real, float> ? "lobestaf" : "lobestad", 28,
+constexpr io::Format format{std::is_same_v<Real, float> ? "lobestaf" : "lobestad", 29,
                             std::is_same_v<Real, float> ? "state of a world in single precision"
                                                         : "state of a world in double precision"};
 
@@ -57,14 +57,14 @@ void check_fits(const Checkpoint<Real>& c, const Organ<Real>& organ) {
     });
   };
   const std::vector<int> degrees = organ.body().inertia.degrees();
-  bool fits = std::count(degrees.begin(), degrees.end(), c.mass_degree) == 1 &&
-              c.state.u.cols() == vertices && c.state.v.cols() == vertices &&
-              (piece_of.empty() || piece_of.size() == tets) &&
-              Tools::fits(c.tools, vertices, organ.setup()) && Blades::fits(c.blades, organ.grains()) &&
-              c.sleep.asleep.size() == organ.body().sleep.state().asleep.size() &&
-              c.sleep.still_since.size() == c.sleep.asleep.size() &&
-              c.ratios.of_vertex.size() == std::size_t(vertices) &&
-              (c.acceleration.size() == 0 || c.acceleration.cols() == vertices);
+  bool fits =
+      std::count(degrees.begin(), degrees.end(), c.mass_degree) == 1 && c.state.u.cols() == vertices &&
+      c.state.v.cols() == vertices && (piece_of.empty() || piece_of.size() == tets) &&
+      Tools::fits(c.tools, vertices, organ.setup()) && Blades::fits(c.blades, organ.grains()) &&
+      c.sleep.asleep.size() == organ.body().sleep.state().asleep.size() &&
+      c.sleep.still_since.size() == c.sleep.asleep.size() &&
+      c.sleep.squares.size() == c.sleep.asleep.size() && c.ratios.of_vertex.size() == std::size_t(vertices) &&
+      (c.acceleration.size() == 0 || c.acceleration.cols() == vertices);
   fits = fits && is_known(0) && organ.body().regions.fits(c.nodes, organ.elements());
   for (Index piece : piece_of) fits = fits && is_known(piece);
   for (const auto& term : c.terms)

@@ -93,7 +93,7 @@ void World<Real>::move(double dt) {
   aim_hold_springs();
   add_tool_forces(body(), dt, tools_);
   body().restore_held_components();
-  body().sleep.update(body(), [&](Index v) { return organ_.limit().bounded_square(v); });
+  body().sleep.update(body());
   body().push(motion.velocity_lag + dt / 2, dt);
   add_forces_of_springs(body(), dt, tools_);
   motion.velocity_lag = dt / 2;

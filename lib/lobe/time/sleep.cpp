@@ -40,19 +40,19 @@ const std::vector<Index>* Sleep::begin_forces(Dynamics<Real>& body) {
 }
 
 template <class Real>
-void Sleep::update(Dynamics<Real>& body, const Square& square) {
+void Sleep::update(Dynamics<Real>& body) {
   if (!is_on()) return;
-  if (std::exchange(frame_begins_, false)) fall_asleep(body, square);
+  if (std::exchange(frame_begins_, false)) fall_asleep(body);
   wake_pulled(body);
-  if (!forces_are_kept(body)) keep_forces(body, square);
+  if (!forces_are_kept(body)) keep_forces(body);
 }
 
 template <class Real>
-void Sleep::fall_asleep(Dynamics<Real>& body, const Square& square) {
+void Sleep::fall_asleep(Dynamics<Real>& body) {
   const double time = body.motion.time;
   if (body.loads.missing_share(time) > 0) return;
   for (Index v = 0; v < body.motion.u.count(); ++v)
-    if (!is_asleep(v) && !is_still(v, body, square(v))) state_.still_since[v] = time;
+    if (!is_asleep(v) && !is_still(v, body)) state_.still_since[v] = time;
   const auto rests = [&](Index v) {
     return state_.asleep[v] != 0 || time - state_.still_since[v] >= still_time;
   };
@@ -74,7 +74,8 @@ void Sleep::fall_asleep(Dynamics<Real>& body, const Square& square) {
 // A vertex that swings alone by δ has speeds up to ω δ and feels up to m ω² δ; slow swings of many show as a
 // drift.
 template <class Real>
-bool Sleep::is_still(Index vertex, const Dynamics<Real>& body, double square) const {
+bool Sleep::is_still(Index vertex, const Dynamics<Real>& body) const {
+  const double square = state_.squares[vertex];
   const double speed = body.motion.v.col(vertex).template cast<double>().squaredNorm();
   const double force = body.motion.forces.col(vertex).template cast<double>().norm();
   return speed <= std::min(square * move_ * move_, slowest_drift_ * slowest_drift_) &&
@@ -109,7 +110,7 @@ void Sleep::wake(const std::vector<Index>& vertices, Dynamics<Real>& body) {
 }
 
 template <class Real>
-void Sleep::keep_forces(Dynamics<Real>& body, const Square& square) {
+void Sleep::keep_forces(Dynamics<Real>& body) {
   evaluated_.clear();
   border_.clear();
   body.find_moving();
@@ -119,7 +120,8 @@ void Sleep::keep_forces(Dynamics<Real>& body, const Square& square) {
       if (!evaluated[v]) continue;
       evaluated_.push_back(v);
       const double inverse_mass = body.inertia.inverse_mass(v);
-      if (state_.asleep[v] && inverse_mass > 0) border_.push_back({v, square(v) / inverse_mass * move_});
+      if (state_.asleep[v] && inverse_mass > 0)
+        border_.push_back({v, state_.squares[v] / inverse_mass * move_});
     }
   } else {
     body.regions.forget_sums();
@@ -147,7 +149,7 @@ std::vector<std::uint8_t> Sleep::find_evaluated(Dynamics<Real>& body) {
 
 #define LOBE_INSTANTIATE(Real)                                           \
   template void Sleep::wake(const std::vector<Index>&, Dynamics<Real>&); \
-  template void Sleep::update(Dynamics<Real>&, const Square&);           \
+  template void Sleep::update(Dynamics<Real>&);                          \
   template const std::vector<Index>* Sleep::begin_forces(Dynamics<Real>&);
 LOBE_INSTANTIATE(float)
 LOBE_INSTANTIATE(double)

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <tuple>
 #include <vector>
 
@@ -16,19 +15,19 @@ struct Dynamics;
 
 class Sleep {
  public:
-  static constexpr double still_time = 0.1;     // a vertex that is still for so long may fall asleep [s]
-  using Square = std::function<double(Index)>;  // ω_v² of a vertex, or a bound of it [1/s²]
-
+  static constexpr double still_time = 0.1;  // a vertex that is still for so long may fall asleep [s]
   // Part of a checkpoint; empty if nothing may sleep.
   struct State {
     std::vector<std::uint8_t> asleep;  // per vertex
     std::vector<double> still_since;   // per vertex [s]
+    std::vector<double> squares;  // per vertex: ω_v² or a bound of it, when the step limit was found [1/s²]
 
     bool is_valid() const {
       return std::all_of(asleep.begin(), asleep.end(), [](auto one) { return one <= 1; }) &&
-             std::all_of(still_since.begin(), still_since.end(), [](double t) { return std::isfinite(t); });
+             std::all_of(still_since.begin(), still_since.end(), [](double t) { return std::isfinite(t); }) &&
+             std::all_of(squares.begin(), squares.end(), [](double square) { return square >= 0; });
     }
-    static constexpr auto fields = std::tuple(&State::asleep, &State::still_since);
+    static constexpr auto fields = std::tuple(&State::asleep, &State::still_since, &State::squares);
   };
 
   Sleep() = default;
@@ -46,6 +45,12 @@ class Sleep {
     if (!is_on()) return;
     state_.asleep.resize(std::size_t(vertices), 0);
     state_.still_since.resize(std::size_t(vertices), time);
+    state_.squares.resize(std::size_t(vertices), 0);
+  }
+  // Call it when the step limit has been found. `square`: of a vertex, ω_v² or a bound of it [1/s²].
+  template <class Square>
+  void see_frequencies(const Square& square) {
+    for (std::size_t v = 0; v < state_.squares.size(); ++v) state_.squares[v] = square(Index(v));
   }
   // Wakes these vertices and all patches around them.
   template <class Real>
@@ -60,7 +65,7 @@ class Sleep {
   // Call it between the forces of a step and its motion, because the sums that patches keep belong to the
   // present displacements.
   template <class Real>
-  void update(Dynamics<Real>& body, const Square& square);
+  void update(Dynamics<Real>& body);
   // Call it before an evaluation of forces. Returns the vertices whose forces may change, while the others
   // keep theirs; null: all vertices.
   template <class Real>
@@ -73,15 +78,15 @@ class Sleep {
   };
 
   template <class Real>
-  void fall_asleep(Dynamics<Real>& body, const Square& square);
+  void fall_asleep(Dynamics<Real>& body);
   template <class Real>
-  bool is_still(Index vertex, const Dynamics<Real>& body, double square) const;
+  bool is_still(Index vertex, const Dynamics<Real>& body) const;
   template <class Real>
   void wake_pulled(Dynamics<Real>& body);
   template <class Real>
   bool forces_are_kept(const Dynamics<Real>& body) const;
   template <class Real>
-  void keep_forces(Dynamics<Real>& body, const Square& square);
+  void keep_forces(Dynamics<Real>& body);
   template <class Real>
   std::vector<std::uint8_t> find_evaluated(Dynamics<Real>& body);
 

@@ -86,6 +86,7 @@ double StepLimit<Real>::keep(Body& body) {
   frame_limit_.volume_ratio = volume_ratio_;
   frame_limit_.volume_ratio_tet = volume_ratio_tet_;
   frame_limit_at_ = body.model.revisions;
+  body.sleep.see_frequencies([&](Index v) { return bounded_square(v); });
   return frame_limit_.limit;
 }
 
@@ -102,7 +103,7 @@ template <class Real>
 bool StepLimit<Real>::holds(const Body& body) const {
   const Revisions& now = body.model.revisions;
   const auto number_of = [](double time) { return std::floor(time / interval + 1e-6); };
-  return !body.sleep.is_on() && number_of(body.motion.time) == number_of(frame_limit_.time) &&
+  return number_of(body.motion.time) == number_of(frame_limit_.time) &&
          frame_limit_at_.structure == now.structure && frame_limit_at_.inertia == now.inertia &&
          frame_limit_at_.replaced == now.replaced && frame_limit_at_.terms == now.terms;
 }

@@ -32,7 +32,7 @@ class StepLimit {
   void find_anew(Body& body);
   // ---- For frames. The limit is found once in each `interval` of simulated time, counted from 0: about a
   // frame of 60 Hz, as a pass over all tetrahedra costs as much as two or three steps. In between the last
-  // one is used, while nothing is edited and nothing sleeps.
+  // one is used, while nothing is edited.
   static constexpr double interval = 0.015;  // [s]
   bool holds(const Body& body) const;
   double for_frame(Body& body) { return holds(body) ? frame_limit_.limit : keep(body); }

@@ -167,7 +167,7 @@ typedef struct lobe_surface {
   const float* normal;   /* 3 per vertex, unit length, outwards */
   const uint32_t* index; /* 3 per triangle, counter-clockwise seen from outside in right-handed axes */
   const uint8_t* region; /* per triangle: the number of its model (docs/guide/regions.md) */
-  const uint8_t* cut;    /* per triangle: 1 where a cut has made it */
+  const uint8_t* cut;    /* per triangle: 1 where a blade has opened it, 2 where a cautery has, 0: skin */
   void* owner;           /* of the buffers */
 } lobe_surface;
 /* The latest surface. Its buffers do not change until lobe_surface_release(). */

@@ -2,7 +2,7 @@
 // what changed is copied, and a finer skin that they carry.
 //
 //   build/bin/06_skin
-//   surface: 670 triangles, then 682 of which 27 are cut; copied 52 slots
+//   surface: 670 triangles, then 682 of which 27 are burnt; copied 52 slots
 //   skin: 5766 triangles, then 5631
 #include <lobe/lobe.h>
 
@@ -32,9 +32,9 @@ int main(int argc, char** argv) {
     if (!world.advance(1.0 / 60).ok) return 1;
   }
   const auto changed = surface.changed_triangles.since(seen);  // none: copy all of it
-  const auto cut = std::count(surface.cut.begin(), surface.cut.end(), 1);
-  std::printf("surface: %d triangles, then %d of which %d are cut; copied %d slots\n", triangles,
-              surface.triangle_count(), static_cast<int>(cut),
+  const auto burnt = std::count(surface.cut.begin(), surface.cut.end(), 2);
+  std::printf("surface: %d triangles, then %d of which %d are burnt; copied %d slots\n", triangles,
+              surface.triangle_count(), static_cast<int>(burnt),
               static_cast<int>(changed ? changed->size() : surface.triangles.size()));
 
   lobe::Mat3X<float> x, normals, skin_x, skin_normals;  // a frame: positions and normals of both

@@ -23,7 +23,7 @@ namespace Lobe {
     public float[] Positions = new float[0], Normals = new float[0];  // 3 per vertex
     public int[] Indices = new int[0];                                // 3 per triangle
     public byte[] Regions = new byte[0];  // per triangle: the number of its model (docs/guide/regions.md)
-    public byte[] Cut = new byte[0];  // per triangle: 1 where a cut has made it
+    public byte[] Cut = new byte[0];  // per triangle: 1 opened by a blade, 2 by a cautery, 0 skin
   }
 
   // Methods throw LobeException. Any thread may call them. Dispose() closes the session once no other call on

@@ -2,6 +2,8 @@
 
 #include <pybind11/stl.h>
 
+#include <algorithm>
+
 #include "lobe/text.h"
 #include "scene.h"
 
@@ -20,6 +22,16 @@ auto of(const PySurface& surface, Get&& get) {
 
 const SurfaceMesh& mesh_of(const PySurface& surface) {
   return *of(surface, [](const auto& of) { return of.mesh.get(); });
+}
+
+// One per triangle, by what has opened it (SurfaceMesh::cut).
+template <class Is>
+py::array flags_of(const py::handle& surface, Is&& is) {
+  const auto& cut = mesh_of(surface.cast<PySurface&>()).cut;
+  py::array_t<bool> flags(py::ssize_t(cut.size()));
+  std::transform(cut.begin(), cut.end(), flags.mutable_data(), is);
+  py::detail::array_proxy(flags.ptr())->flags &= ~py::detail::npy_api::NPY_ARRAY_WRITEABLE_;
+  return flags;
 }
 
 py::list tools_of(const PySnapshot& snapshot) {
@@ -80,12 +92,11 @@ void bind_surface(py::module_& module) {
           },
           "(t,) uint8, the place of each triangle's body in World.bodies, 0 where there are none, read-only.")
       .def_property_readonly(
-          "cut",
-          [](py::object self) {
-            const auto& cut = mesh_of(self.cast<PySurface&>()).cut;
-            return read_only(reinterpret_cast<const bool*>(cut.data()), {py::ssize_t(cut.size())}, self);
-          },
+          "cut", [](py::object self) { return flags_of(self, [](std::uint8_t cut) { return cut != 0; }); },
           "(t,) bool, whether a cut has made the triangle, read-only.")
+      .def_property_readonly(
+          "burnt", [](py::object self) { return flags_of(self, [](std::uint8_t cut) { return cut == 2; }); },
+          "(t,) bool, whether a cut that has removed tissue has made the triangle, read-only.")
       .def_property_readonly(
           "vertex",
           [](py::object self) {

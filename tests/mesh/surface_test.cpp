@@ -98,7 +98,8 @@ void check_marks(const SurfaceMesh& mesh, const TetMesh& start, const std::vecto
   const Topology uncut(start);
   for (Index code : uncut.boundary_faces()) outer.insert({code / 4, code % 4});
   for (Index t = 0; t < mesh.triangle_count(); ++t) {
-    CHECK(bool(mesh.cut[t]) == !outer.contains({mesh.owner[t].tet, int(mesh.owner[t].code)}));
+    const bool is_outer = outer.contains({mesh.owner[t].tet, int(mesh.owner[t].code)});
+    CHECK(int(mesh.cut[t]) == (is_outer ? 0 : 2));  // tetrahedra are removed, not parted
     CHECK(mesh.region[t] == region_of[mesh.owner[t].tet]);
   }
 }

@@ -45,7 +45,8 @@ def test_a_snapshot_does_not_change_and_outlives_cuts_and_the_world(scene):
     world.remove_tets(np.arange(30))
     world.advance(0.1)
     later = world.snapshot()
-    assert later.surface.cut.any() and later.surface.revision > moment.surface.revision
+    assert later.surface.cut.any() and (later.surface.burnt == later.surface.cut).all()
+    assert later.surface.revision > moment.surface.revision
     assert (u == before).all() and (triangles == corners).all()
     assert not np.shares_memory(u, later.u)
     del world, moment, later

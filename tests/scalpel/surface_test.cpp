@@ -49,7 +49,7 @@ std::vector<Index> points_of_vertices(const Surface& surface, const SurfaceCells
       points[std::size_t(v)] = surface.point_of(v);
       CHECK(surface.vertex_of(surface.point_of(v), mesh.cut[t], cells.stroke_of(Index(mesh.owner[t].code))) ==
             v);
-      CHECK(mesh.vertex_cut[std::size_t(v)] == mesh.cut[t]);
+      CHECK(bool(mesh.vertex_cut[std::size_t(v)]) == bool(mesh.cut[t]));
     }
   CHECK(std::count(points.begin(), points.end(), -1) == 0);
   return points;
@@ -62,6 +62,8 @@ std::set<Marked> marked_triangles(const Surface& surface, const SurfaceCells& ce
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     std::array<Index, 3> places;
     for (int k = 0; k < 3; ++k) places[std::size_t(k)] = points[std::size_t(mesh.triangles[t][k])];
+    const bool is_burnt = mesh.cut[t] != 0 && cells.stroke_of(Index(mesh.owner[t].code)) < 0;
+    CHECK(is_burnt == (mesh.cut[t] == 2));
     all.emplace(mesh.owner[t].tet, mesh.owner[t].code, places, mesh.region[t], mesh.cut[t]);
   }
   CHECK(all.size() == mesh.triangles.size());

@@ -8,6 +8,8 @@
 namespace lobe {
 namespace {
 
+constexpr std::uint8_t new_face = 255;  // nothing was known of it
+
 Index taken_from(std::vector<Index>& slots) {
   const Index slot = slots.back();
   slots.pop_back();
@@ -39,7 +41,7 @@ void Surface::rebuild(const SurfaceCells& cells, const TetTags& tags) {
   clear(cells);
   for (Index code : cells.outer_faces()) {
     faces_.push_back(face_of(code, cells.cell(code / 4)));
-    faces_.back().kind = kind_of(cells, code, true);
+    find_kind(cells, new_face, faces_.back());
   }
   for (Face& face : faces_) place(cells, face, tags);
   mesh_.changed_triangles.restart(mesh_.revision);
@@ -55,7 +57,7 @@ void Surface::follow(const Topology& topology, const MeshEdit& edit, const TetTa
   sort_unique(corners_);
   near_ = edit.removed;
   for (Index v : corners_) near_.insert(near_.end(), topology.around(v).begin(), topology.around(v).end());
-  follow(TetCells(topology), std::move(near_), tags);
+  follow(TetCells(topology, edit.removed), std::move(near_), tags);
 }
 
 void Surface::follow(const SurfaceCells& cells, std::vector<Index> changed, const TetTags& tags) {
@@ -119,8 +121,10 @@ Index& Surface::vertex_in_list(Index point, Kind kind) {
   return *vertex;
 }
 
-Surface::Kind Surface::kind_of(const SurfaceCells& cells, Index code, bool was_cut) {
-  return cells.is_cut(code, was_cut) ? cells.stroke_of(code) : skin;
+// `was`: as in SurfaceMesh::cut, or new_face.
+void Surface::find_kind(const SurfaceCells& cells, std::uint8_t was, Face& face) {
+  face.kind = cells.is_cut(face.code, was != 0) ? cells.stroke_of(face.code) : skin;
+  face.is_burnt = face.kind == burnt && cells.is_burnt(face.code, was == 2);
 }
 
 void Surface::begin_revision() {
@@ -146,7 +150,11 @@ void Surface::drop(Index code) {
 Surface::Face Surface::face_of(Index code, const SurfaceCells::Cell& cell) const {
   const int* c = face_corners[code % 4];
   const auto of_owner = std::uint32_t(of_tets_ ? code % 4 : code);
-  return {{cell.tet, of_owner}, code, -1, burnt, {cell.points[c[0]], cell.points[c[1]], cell.points[c[2]]}};
+  Face face;
+  face.owner = {cell.tet, of_owner};
+  face.code = code;
+  face.points = {cell.points[c[0]], cell.points[c[1]], cell.points[c[2]]};
+  return face;
 }
 
 // Drops the faces of a cell that are not outer any more, and adds those to faces_ which the edit has opened,
@@ -160,7 +168,7 @@ void Surface::find_changed(const SurfaceCells& cells, Index cell) {
     }
     Face face = face_of(code, found_cell);
     face.triangle = triangle_of_[std::size_t(code)];
-    face.kind = kind_of(cells, code, face.triangle < 0 || mesh_.cut[face.triangle]);
+    find_kind(cells, face.triangle < 0 ? new_face : mesh_.cut[face.triangle], face);
     if (face.triangle >= 0) {
       if (stays(face)) continue;
       release(face.triangle);
@@ -272,7 +280,7 @@ void Surface::place(const SurfaceCells& cells, Face& face, const TetTags& tags) 
   mesh_.owner[face.triangle] = face.owner;
   mesh_.region[face.triangle] = tags.region(face.owner.tet);
   mesh_.body[face.triangle] = tags.body(face.owner.tet);
-  mesh_.cut[face.triangle] = face.kind != skin;
+  mesh_.cut[face.triangle] = face.kind == skin ? 0 : face.is_burnt ? 2 : 1;
   triangle_of_[std::size_t(face.code)] = face.triangle;
   mesh_.changed_triangles.record(face.triangle);
 }

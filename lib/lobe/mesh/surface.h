@@ -50,7 +50,7 @@ struct SurfaceMesh {
   std::vector<FaceOwner> owner;
   std::vector<RegionModel> region;  // of its tetrahedron
   std::vector<std::uint8_t> body;   // of its tetrahedron (MeshBodies); 0 where there is one
-  std::vector<std::uint8_t> cut;    // 1: a cut face, which was inside at the start; 0: skin
+  std::vector<std::uint8_t> cut;    // 0: skin; faces that were inside at the start: 1: cut, 2: burnt
 
   // One per vertex of the surface.
   std::vector<Index> mesh_vertex;        // the vertex of the mesh that it is; or the nearest to it, see below
@@ -107,7 +107,7 @@ class Surface {
   Index point_of(Index vertex) const { return point_of_[vertex]; }
 
  private:
-  using Kind = Index;  // of a face: skin, burnt, or the stroke of a blade that has opened it
+  using Kind = Index;  // of a face: skin, the stroke of a blade that has opened it, or burnt: opened else
   static constexpr Kind burnt = -1, skin = -2;
   // A face that is new, or whose corners are.
   struct Face {
@@ -115,13 +115,14 @@ class Surface {
     Index code = -1;      // 4 × cell + face
     Index triangle = -1;  // its slot
     Kind kind = burnt;
+    bool is_burnt = false;  // what was behind it is gone
     Eigen::Vector3i points;
     Eigen::Vector3i vertices = Eigen::Vector3i::Constant(-1);
   };
   Face face_of(Index code, const SurfaceCells::Cell& cell) const;
   Index code_of(const FaceOwner& owner) const;
 
-  static Kind kind_of(const SurfaceCells& cells, Index code, bool was_cut);
+  static void find_kind(const SurfaceCells& cells, std::uint8_t was, Face& face);
   Index& vertex_in_list(Index point, Kind kind);
   void clear(const SurfaceCells& cells);
   void begin_revision();

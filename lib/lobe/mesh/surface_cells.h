@@ -35,6 +35,9 @@ class SurfaceCells {
   // Whether an outer face was inside at the start; `was_cut` is what was known of it, true for a new one.
   virtual bool is_cut(Index code, bool was_cut) const = 0;
   virtual Index stroke_of(Index) const { return -1; }  // of a blade that has opened the face; −1: none has
+  // Whether an opened face has lost what was behind it, to a cautery; else a blade has parted both.
+  // `was_burnt` is what was known of it, false for a new one.
+  virtual bool is_burnt(Index code, bool) const { return stroke_of(code) < 0; }
   virtual SurfacePlace place(Index point) const = 0;
   virtual bool are_tets() const { return false; }  // the cells are the tetrahedra, the points the vertices
 };
@@ -44,6 +47,8 @@ class TetCells : public SurfaceCells {
  public:
   // New faces of the boundary were inside before.
   explicit TetCells(const Topology& topology) : topology_(topology) {}
+  // After an edit that has removed these tetrahedra. O(n log n) in their number.
+  TetCells(const Topology& topology, std::span<const Index> removed);
   // What was inside at the start follows from the tetrahedra that are gone. O(#tets), and O(n log n) in the
   // number of these.
   static TetCells since_start(const Topology& topology);
@@ -55,12 +60,15 @@ class TetCells : public SurfaceCells {
   std::span<const Index> around(Index point) const override { return topology_.around(point); }
   void append_cells_of(Index tet, std::vector<Index>& cells) const override { cells.push_back(tet); }
   bool is_cut(Index code, bool was_cut) const override;
+  bool is_burnt(Index code, bool was_burnt) const override;
   SurfacePlace place(Index point) const override { return {point}; }
   bool are_tets() const override { return true; }
 
  private:
   using FaceAtStart = std::array<Index, 3>;  // vertices of the mesh at the start, ascending
   static FaceAtStart key_of(const Topology& topology, Index code);
+  void add_gone(Index tet);
+  bool is_behind_gone(Index code) const;
 
   const Topology& topology_;
   bool knows_start_ = false;

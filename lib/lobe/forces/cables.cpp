@@ -267,43 +267,4 @@ double Cables::residual(Index s) const {
   return sum;
 }
 
-// Of the run's own equation; its spans get their shares of its tension.
-void Cables::find_compliance(Run& run) {
-  run.compliance = 0;
-  const Index own = Index(&run - runs_.data());
-  for (Index at = run.begin; at < run.end; ++at) {
-    const auto s = std::size_t(order_[std::size_t(at)]);
-    run.compliance += compliance_[s] * share_[s];
-    for (Index i = coupling_begin_[s]; i < coupling_begin_[s + 1]; ++i) {
-      const auto r = std::size_t(couplings_[std::size_t(i)].span);
-      if (run_of_[r] == own) run.compliance += inertance_[std::size_t(i)] * share_[r];
-    }
-    spans_[s].tension = share_[s] * run.tension;
-  }
-}
-
-// Gauss-Seidel over the runs of a cluster. One sweep solves a run that is alone.
-void Cables::find_tensions(const Cluster& cluster) {
-  const std::span<Run> own = runs(cluster);
-  for (Run& run : own) find_compliance(run);
-  constexpr int most_sweeps = 200;
-  constexpr double tolerance = 1e-13;
-  for (int sweep = 0; sweep < most_sweeps; ++sweep) {
-    double change = 0, largest = 0;
-    for (Run& run : own) {
-      double sum = 0;
-      for (Index at = run.begin; at < run.end; ++at) sum += residual(order_[std::size_t(at)]);
-      const double before = run.tension;
-      run.tension = std::max(0.0, before + sum / run.compliance);
-      for (Index at = run.begin; at < run.end; ++at) {
-        const auto s = std::size_t(order_[std::size_t(at)]);
-        spans_[s].tension = share_[s] * run.tension;
-      }
-      change = std::max(change, std::abs(run.tension - before));
-      largest = std::max(largest, run.tension);
-    }
-    if (own.size() == 1 || change <= tolerance * largest) break;
-  }
-}
-
 }  // namespace lobe

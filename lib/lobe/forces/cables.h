@@ -15,6 +15,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <limits>
 #include <span>
 #include <vector>
@@ -68,6 +69,10 @@ class Cables {
   template <class Mobility>
   void couple(const Mobility& mobility);
 
+  // The tensions of so many runs are solved at once: of a small cluster, or of each chain of a larger one.
+  static constexpr Index most_direct = 8;
+  Index most_at_once = most_direct;  // 1: each run by itself
+
   bool empty() const { return spans_.empty(); }
   std::vector<Point>& points() { return points_; }
   const std::vector<Point>& points() const { return points_; }
@@ -120,6 +125,9 @@ class Cables {
   void find_runs_of(const Chain& chain, Cluster& cluster, Index& at);
   void find_compliance(Run& run);
   void find_tensions(const Cluster& cluster);
+  std::size_t end_of_block(std::span<const Run> own, std::size_t begin) const;
+  double solve_block(std::span<Run> block);
+  double set_tension(Run& run, double tension);
   double residual(Index span) const;
   bool find_slips(const Cluster& cluster);
   bool change_slips(const Chain& chain);

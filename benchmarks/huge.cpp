@@ -43,7 +43,7 @@ void write_bar(const std::filesystem::path& folder, int wanted) {
   write_vtu(folder / "bar.vtu", box_mesh({0.2, 0.1, 0.1}, 2 * n, n, n));
   constexpr const char* scene = R"({
   "mesh": "bar.vtu",
-  "materials": [{"lame_lambda": 1.4e4, "lame_mu": 3.6e3, "density": 1000}],
+  "materials": [{"lame_lambda": 1.4e4, "lame_mu": 3.6e3, "density": 1000, "element": "tetrahedron"}],
   "boundary": [
     {"fix": true, "where": {"plane": {"point": [0, 0, 0], "normal": [1, 0, 0], "within": 1e-6}}},
     {"displacement": [0.02, 0, 0], "where": {"plane": {"point": [0.2, 0, 0], "normal": [1, 0, 0], "within": 1e-6}}}

@@ -158,6 +158,7 @@
 #include "lobe/run/solve.h"
 #include "lobe/scene/bind_groups.h"
 #include "lobe/scene/check_scene.h"
+#include "lobe/scene/default_element.h"
 #include "lobe/scene/describe.h"
 #include "lobe/scene/frames.h"
 #include "lobe/scene/material_constants.h"

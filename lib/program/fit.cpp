@@ -12,6 +12,7 @@
 #include "lobe/file/atomic_file.h"
 #include "lobe/io/mesh_io.h"
 #include "lobe/scene/bind_groups.h"
+#include "lobe/scene/default_element.h"
 #include "lobe/scene/read_scene.h"
 #include "lobe/scene/resolve.h"
 #include "lobe/scene/scene_mesh.h"
@@ -94,6 +95,10 @@ void print(const FitResult& found) {
 
 void write_fitted(const FitCommand& command, Scene scene, const FitResult& found) {
   const std::vector<Parameter> parameters = find_parameters(scene, command.parameters);
+  // What was fitted is named: the default would follow the ratio of Poisson that was found.
+  std::vector<Material> named;
+  for (const Material& material : scene.materials) named.push_back(with_default_element(scene, material));
+  scene.materials = std::move(named);
   for (std::size_t j = 0; j < parameters.size(); ++j)
     set(parameters[j], found.parameters[j].value, scene.materials[parameters[j].material]);
   io::write_file(command.output, to_json(with_absolute_paths(std::move(scene))) + '\n');

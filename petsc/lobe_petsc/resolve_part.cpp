@@ -138,6 +138,11 @@ class PartResolver {
     refuse_serial();
     localise_tets(scene_.materials, local_.materials, "/materials/");
     localise_tets(scene_.regions, local_.regions, "/regions/");
+    // Ranks have no averages of several tetrahedra; materials that ask for one are refused above.
+    for (Material& material : local_.materials) {
+      material.element = ElementType::tetrahedron;
+      material.nodal_pressure = 0;
+    }
     for (Region& region : local_.regions)
       if (region.model == RegionModel::precomputed) region.model = RegionModel::tensor_mass;
     refuse_bare();

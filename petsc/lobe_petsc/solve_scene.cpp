@@ -172,6 +172,11 @@ bool solve_scene(const Ranks& ranks, const SceneOptions& options) {
   if (!options.mesh.empty()) scene.mesh = std::filesystem::absolute(options.mesh);
   if (!scene.bodies.empty())
     throw InputError("/bodies", "lobe-petsc solves scenes of one mesh: use lobe solve");
+  if (std::any_of(scene.materials.begin(), scene.materials.end(),
+                  [](const Material& m) { return !m.element; }))
+    run.warnings.push_back(
+        "plain tetrahedra, \"element\": \"tetrahedron\": edge-smoothed ones are not available with --solver "
+        "petsc");
   if (!scene.tools.empty()) run.warnings.push_back("tools are ignored in a static solution");
   const std::string name = mesh_path(scene).string();
   auto phase = Clock::now();

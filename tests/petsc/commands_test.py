@@ -68,8 +68,8 @@ EVERY_SELECTOR = {
     "mesh": str(DATA / "meshes" / "liver_2k.vtu"),
     "volume_penalty": 1e4,
     "materials": [
-        {"name": "hard", "lame_lambda": 8e4, "lame_mu": 2e4, "density": 1000, "where": {"tetrahedra": list(range(0, 900, 3))}},
-        {"name": "soft", "lame_lambda": 4e4, "lame_mu": 1e4, "density": 1000},
+        {"name": "hard", "lame_lambda": 8e4, "lame_mu": 2e4, "density": 1000, "element": "tetrahedron", "where": {"tetrahedra": list(range(0, 900, 3))}},
+        {"name": "soft", "lame_lambda": 4e4, "lame_mu": 1e4, "density": 1000, "element": "tetrahedron"},
     ],
     "regions": [
         {"model": "tensor-mass", "where": {"nearest": {"point": [0, 0, 0], "count": 300}}},

@@ -69,7 +69,7 @@ TEST_CASE("nodal pressure is described where it is asked for") {
   averaged.materials[0].nodal_pressure = 0.5;
   const Resolved result = resolve(averaged, box_mesh({0.4, 0.1, 0.1}, 4, 1, 1));
   CHECK(json::parse(describe_json(averaged, result))["materials"][0]["nodal_pressure"] == 0.5);
-  CHECK(describe(averaged, result).find("0.18 m, nodal pressure 0.5\n") != std::string::npos);
+  CHECK(describe(averaged, result).find("0.18 m, nodal pressure 0.5, edge-smoothed\n") != std::string::npos);
 }
 
 TEST_CASE("the description in words says what will be run") {

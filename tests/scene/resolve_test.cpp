@@ -472,7 +472,8 @@ TEST_CASE("mistakes in units are suspected") {
         "large; are moduli in Pa and coordinates in m?");
   CHECK(contains(warnings(R"({"materials": [{"young_modulus": 7e10, "poisson_ratio": 0.3}]})"),
                  "next to nothing: too stiff or too small"));
-  CHECK(warnings(R"({"materials": [{"young_modulus": 1e4, "poisson_ratio": 0.46}]})") ==
+  CHECK(warnings(
+            R"({"materials": [{"young_modulus": 1e4, "poisson_ratio": 0.46, "element": "tetrahedron"}]})") ==
         "/materials/0: Poisson's ratio 0.46: linear tetrahedra lock (respond too stiffly) above 0.45; in "
         "nonlinear regions \"nodal_pressure\": true helps");
   CHECK(warnings(R"({"materials": [{"young_modulus": 1e4, "poisson_ratio": 0.45}]})") == "");

@@ -104,7 +104,9 @@ Material read_material(const json& given, const std::string& pointer) {
     const json& share = entry["nodal_pressure"];
     material.nodal_pressure = share.is_boolean() ? double(share.get<bool>()) : share.get<double>();
   }
-  if (entry.value("element", "tetrahedron") == "edge-smoothed") material.element = ElementType::edge_smoothed;
+  if (entry.contains("element"))
+    material.element =
+        entry["element"] == "edge-smoothed" ? ElementType::edge_smoothed : ElementType::tetrahedron;
   read_law(entry, pointer, material);
   if (entry.contains("young_modulus_along")) {
     read_transverse(entry, material);

@@ -7,6 +7,7 @@
 #include "lobe/condense/supports.h"
 #include "lobe/lattice/lattice.h"
 #include "lobe/scene/check_scene.h"
+#include "lobe/scene/default_element.h"
 #include "lobe/scene/resolve_parts.h"
 #include "lobe/setup/exclusions.h"
 
@@ -149,7 +150,8 @@ void resolve_materials(Resolution& resolution) {
   const std::vector<Material>& materials = resolution.scene.materials;
   Setup& setup = resolution.result.setup;
   setup.material_of.assign(static_cast<std::size_t>(setup.mesh.tet_count()), 0);
-  for (const Material& m : materials) setup.materials.push_back(elastic_of(m));
+  for (const Material& m : materials)
+    setup.materials.push_back(elastic_of(with_default_element(resolution.scene, m)));
 
   std::size_t standard = materials.size();
   for (std::size_t i = materials.size(); i-- > 0;) {

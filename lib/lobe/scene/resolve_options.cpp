@@ -87,11 +87,16 @@ std::vector<std::string> places_of(const Scene& scene, Option option) {
 
 }  // namespace
 
+Options options_of(const Scene& scene) {
+  Options used;
+  for (std::size_t i = 0; i < option_count; ++i) used.add(Option(i), !places_of(scene, Option(i)).empty());
+  return used;
+}
+
 void refuse_excluded_options(Resolution& resolution) {
   const auto places = [&](Option option) { return places_of(resolution.scene, option); };
-  Options used;
-  for (std::size_t i = 0; i < option_count; ++i) used.add(Option(i), !places(Option(i)).empty());
-  for (Fault& fault : find_exclusions(used, places)) resolution.faults.push_back(std::move(fault));
+  for (Fault& fault : find_exclusions(options_of(resolution.scene), places))
+    resolution.faults.push_back(std::move(fault));
 }
 
 }  // namespace lobe

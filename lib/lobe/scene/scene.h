@@ -103,24 +103,25 @@ struct SceneBody {
 
 struct Material {
   std::string name = "tissue";
-  std::optional<Selector> where;  // the first material without one is the default
-  double lame_lambda = 4e4;       // [Pa]
-  double lame_mu = 1e4;           // [Pa]
-  double density = 1000;          // [kg/m³]
-  double fracture_energy = 0;     // work of a scalpel per area [J/m²]
-  double nodal_pressure = 0;      // share of λ whose pressure is averaged at nodes, 0…1
+  std::optional<Selector> where;         // the first material without one is the default
+  double lame_lambda = 4e4;              // [Pa]
+  double lame_mu = 1e4;                  // [Pa]
+  double density = 1000;                 // [kg/m³]
+  double fracture_energy = 0;            // work of a scalpel per area [J/m²]
+  std::optional<double> nodal_pressure;  // share of λ whose pressure is averaged at nodes, 0…1
   MaterialLaw law = MaterialLaw::svk;
-  std::array<double, 2> further{};  // moduli of the law (law_rows) [Pa]
-  ElementType element = ElementType::tetrahedron;
+  std::array<double, 2> further{};     // moduli of the law (law_rows) [Pa]
+  std::optional<ElementType> element;  // without one, and without nodal_pressure: default_element.h
   std::optional<TransverseConstants> transverse;  // with fibres, in place of both Lamé coefficients
   std::optional<FibreField> fibre;                // together with them
   std::string pointer;
 };
 
+// Where the material names no element and no nodal pressure, those of Elastic.
 inline Elastic elastic_of(const Material& m) {
-  Elastic elastic{m.lame_lambda, m.lame_mu, m.density, m.nodal_pressure, m.law};
+  Elastic elastic{m.lame_lambda, m.lame_mu, m.density, m.nodal_pressure.value_or(0), m.law};
   elastic.fracture_energy = m.fracture_energy;
-  elastic.element = m.element;
+  elastic.element = m.element.value_or(ElementType::tetrahedron);
   elastic.further = m.further;
   if (m.transverse) set_transverse(*m.transverse, elastic);
   return elastic;

@@ -104,12 +104,13 @@ ordered_json write(const Material& material) {
   }
   entry["density"] = material.density;
   entry["fracture_energy"] = material.fracture_energy;
-  entry["nodal_pressure"] = material.nodal_pressure;
+  if (material.nodal_pressure) entry["nodal_pressure"] = *material.nodal_pressure;
   const LawRow& law = law_rows[std::size_t(material.law)];
   entry["law"] = law.name;
   for (std::size_t i = 0; i < law.keys.size(); ++i)
     if (law.keys[i]) entry[law.keys[i]] = material.further[i];
-  entry["element"] = material.element == ElementType::edge_smoothed ? "edge-smoothed" : "tetrahedron";
+  if (material.element)
+    entry["element"] = *material.element == ElementType::edge_smoothed ? "edge-smoothed" : "tetrahedron";
   if (material.fibre) entry["fibre"] = std::visit(FibreWriter{}, *material.fibre);
   add_where(entry, material.where);
   return entry;

@@ -63,6 +63,11 @@ Fault fault_of(const Exclusion& exclusion, const std::string& place) {
                      exclusion.reason + "; " + exclusion.remedy};
 }
 
+bool excludes(const Exclusion& exclusion, Option wanted, const Options& used) {
+  return (exclusion.option == wanted && used.has(exclusion.other)) ||
+         (exclusion.other == wanted && used.has(exclusion.option));
+}
+
 }  // namespace
 
 std::string name(Option option) {
@@ -150,12 +155,14 @@ std::vector<Fault> find_material_exclusions(MaterialLaw law, bool has_fibres, co
   return faults;
 }
 
+bool goes_with(Option wanted, const Options& used) {
+  return std::none_of(std::begin(table), std::end(table),
+                      [&](const Exclusion& exclusion) { return excludes(exclusion, wanted, used); });
+}
+
 void refuse_excluded(Option wanted, const Options& used, const std::string& place) {
-  for (const Exclusion& exclusion : table) {
-    const bool is_first = exclusion.option == wanted, is_second = exclusion.other == wanted;
-    if ((is_first && used.has(exclusion.other)) || (is_second && used.has(exclusion.option)))
-      throw InputError({fault_of(exclusion, place)});
-  }
+  for (const Exclusion& exclusion : table)
+    if (excludes(exclusion, wanted, used)) throw InputError({fault_of(exclusion, place)});
 }
 
 }  // namespace lobe

@@ -74,6 +74,7 @@ using PlacesOf = std::function<std::vector<std::string>(Option)>;
 std::vector<Fault> find_exclusions(const Options& used, const PlacesOf& places_of);
 // The same of one material, of which `place` is.
 std::vector<Fault> find_material_exclusions(MaterialLaw law, bool has_fibres, const std::string& place);
+bool goes_with(Option wanted, const Options& used);
 // Throws InputError if something that is used excludes `wanted`.
 void refuse_excluded(Option wanted, const Options& used, const std::string& place);
 

@@ -20,7 +20,7 @@ class Block(Environment):
     def __init__(self):
         self.action_space, self.observation_space = Box(-0.05, 0.05, (3,)), Box(-np.inf, np.inf, (6,))
         super().__init__(Scene({
-            "materials": [{"young_modulus": 1e4, "poisson_ratio": 0.4}],
+            "materials": [{"young_modulus": 1e4, "poisson_ratio": 0.4, "element": "tetrahedron"}],
             "boundary": [{"fix": True, "where": {"box": {"min": [-1, -1, -1], "max": [1e-6, 1, 1]}}}],
             "time": {"damping": 20},
         }, box_mesh((0.07, 0.07, 0.07), (7, 7, 7))), longest=100)

@@ -12,7 +12,7 @@ BLADE, DEPTH = 0.03, 0.005                 # of the blade, and of the cut that i
 
 def _scene():
     return Scene({
-        "materials": [{"young_modulus": 1e4, "poisson_ratio": 0.4, "density": 1000}],
+        "materials": [{"young_modulus": 1e4, "poisson_ratio": 0.4, "density": 1000, "element": "tetrahedron"}],
         "boundary": [{"fix": True, "where": {"box": {"min": [-1, -1, -1], "max": [1, 1, 1e-6]}}}],
         "guard_below": 0.2,
         "time": {"damping": 30},

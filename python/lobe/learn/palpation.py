@@ -12,7 +12,7 @@ PLACES = np.stack(np.meshgrid([0.015, 0.03, 0.045], [0.015, 0.03, 0.045]), -1).r
 
 def _scene(place, contrast):
     lump = {"sphere": {"center": [*map(float, place), HEIGHT - RADIUS], "radius": RADIUS}}
-    soft = {"young_modulus": 1e4, "poisson_ratio": 0.4, "density": 1000}
+    soft = {"young_modulus": 1e4, "poisson_ratio": 0.4, "density": 1000, "element": "tetrahedron"}
     return Scene({
         "materials": [dict(soft, young_modulus=1e4 * contrast, where=lump), soft],
         "boundary": [{"fix": True, "where": {"box": {"min": [-1, -1, -1], "max": [1, 1, 1e-6]}}}],

@@ -11,7 +11,7 @@ LENGTH, THICK = 0.06, 0.006  # of the flap [m]
 
 def _scene(stiffness):
     return Scene({
-        "materials": [{"young_modulus": stiffness, "poisson_ratio": 0.4, "density": 1000}],
+        "materials": [{"young_modulus": stiffness, "poisson_ratio": 0.4, "density": 1000, "element": "tetrahedron"}],
         "boundary": [{"fix": True, "where": {"box": {"min": [-1, -1, -1], "max": [1e-6, 1, 1]}}}],
         "guard_below": 0.2,
         "time": {"damping": 30},

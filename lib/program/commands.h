@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "lobe/numerics/sparse_factor.h"
+#include "lobe/types.h"
 
 namespace lobe::program {
 
@@ -93,9 +94,11 @@ struct MakeSceneOptions {
   double scale = 0;              // from the file's coordinates to metres; 0: by its size
   double edge = 0;               // of tetrahedra that a surface is filled with [m]; 0: lobe-mesh chooses
   std::string tissue = "liver";
-  std::string hold;  // one of names_of_sides(); empty: the broadest side
+  std::string hold;         // one of names_of_sides(); empty: the broadest side
+  double springs = 0;       // stiffness per area of a bed on which that side lies [Pa/m]; 0: it is fixed
+  std::vector<Vec3d> pins;  // places that are fixed, at the body at rest [m]
 };
-std::vector<std::string> names_of_sides();
+std::vector<std::string> names_of_sides();  // and "none"
 // "organ_scene.json" in the working folder for organ.stl: no name that a user's own files are likely to have.
 std::filesystem::path default_scene(const MakeSceneOptions& options);
 int make_scene(const MakeSceneOptions& options);

@@ -1,10 +1,13 @@
 // The command `lobe`: docs/commands.md lists its commands and their options.
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <charconv>
+#include <cmath>
 #include <cstdio>
 #include <exception>
 #include <filesystem>
 #include <functional>
+#include <iterator>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -33,6 +36,22 @@ int forward(const std::string& program, char** first, char** last, const std::st
   return bad_input;
 }
 
+// Three numbers with commas between them.
+lobe::Vec3d place_of(const std::string& option, const std::string& text) {
+  lobe::Vec3d place;
+  const char* at = text.data();
+  const char* const end = at + text.size();
+  for (int k = 0; k < 3; ++k) {
+    if (k > 0 && (at == end || *at++ != ',')) throw CLI::ValidationError(option, text + ": expected X,Y,Z");
+    const auto [after, fault] = std::from_chars(at, end, place[k]);
+    if (fault != std::errc() || !std::isfinite(place[k]))
+      throw CLI::ValidationError(option, text + ": expected X,Y,Z");
+    at = after;
+  }
+  if (at != end) throw CLI::ValidationError(option, text + ": expected X,Y,Z");
+  return place;
+}
+
 void add_make_scene_options(CLI::App& command, MakeSceneOptions& options) {
   command
       .add_option("--scale", options.scale,
@@ -42,8 +61,18 @@ void add_make_scene_options(CLI::App& command, MakeSceneOptions& options) {
       ->check(CLI::PositiveNumber);
   command.add_option("--tissue", options.tissue, "of all of it; lobe tissues lists them")
       ->capture_default_str();
-  command.add_option("--hold", options.hold, "side that is held; default: the broadest one")
+  command.add_option("--hold", options.hold, "side that is held, or none; default: the broadest one")
       ->check(CLI::IsMember(names_of_sides()));
+  command
+      .add_option("--springs", options.springs,
+                  "of the bed on which that side lies, per area [Pa/m]; default: it is fixed")
+      ->check(CLI::PositiveNumber);
+  command.add_option_function<std::vector<std::string>>(
+      "--pin",
+      [&options](const std::vector<std::string>& pins) {
+        for (const std::string& pin : pins) options.pins.push_back(place_of("--pin", pin));
+      },
+      "X,Y,Z: a place that is fixed, at the body at rest [m]; can be repeated");
 }
 
 // lobe view FILE… [options] of what is no scene: a scene is made for it, once, and then shown.
@@ -59,10 +88,11 @@ int make_and_view(int argc, char** argv) {
   try {
     app.parse(argc - at + 1, argv + at - 1);
     options.output = default_scene(options);
-    const bool asks =
-        app.count("--scale") + app.count("--edge") + app.count("--tissue") + app.count("--hold") > 0;
+    constexpr const char* asking[] = {"--scale", "--edge", "--tissue", "--hold", "--springs", "--pin"};
+    const bool asks = std::any_of(std::begin(asking), std::end(asking),
+                                  [&](const char* name) { return app.count(name) > 0; });
     if (!asks && std::filesystem::exists(options.output))
-      std::printf("%s was made before; remove it, or give --tissue, --hold, --scale or --edge, for another\n",
+      std::printf("%s was made before; remove it, or give --tissue, --hold or another choice, for another\n",
                   options.output.string().c_str());
     else
       make_scene(options);

@@ -1,6 +1,5 @@
 // A scene for a mesh or a surface that has none: units, material and what is held are proposed and said.
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdio>
 #include <fstream>
@@ -8,10 +7,10 @@
 
 #include "commands.h"
 #include "console.h"
+#include "held_parts.h"
 #include "lobe/error.h"
 #include "lobe/file/atomic_file.h"
 #include "lobe/io/mesh_io.h"
-#include "lobe/mesh/outer_faces.h"
 #include "lobe/scene/bind_groups.h"
 #include "lobe/scene/nearest_word.h"
 #include "lobe/scene/read_scene.h"
@@ -26,7 +25,6 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr double largest_organ = 2;  // [m] across; what is larger is taken to be in millimetres
-constexpr double slab = 0.1;         // of the body's extent: what counts as one of its sides
 
 std::string lower_extension(const std::filesystem::path& file) {
   std::string extension = file.extension().string();
@@ -106,58 +104,6 @@ Body find_body(const MakeSceneOptions& options) {
   return meshed_body(options);
 }
 
-struct Side {
-  const char* name;
-  int axis, sign;
-  Vec3d normal() const { return sign * Vec3d::Unit(axis); }
-};
-constexpr std::array<Side, 6> sides{
-    {{"x-", 0, -1}, {"x+", 0, 1}, {"y-", 1, -1}, {"y+", 1, 1}, {"z-", 2, -1}, {"z+", 2, 1}}};
-
-// How much of the boundary within the outer tenth of the body faces to a side [m²].
-double breadth(const TetMesh& mesh, const std::vector<TetFace>& boundary, const Side& side) {
-  const Vec3d n = side.normal();
-  const Box box = bounding_box(mesh);
-  const double end = std::max(n.dot(box.min), n.dot(box.max)),
-               begin = end - slab * (box.max - box.min)[side.axis];
-  double sum = 0;
-  for (const TetFace& face : boundary) {
-    const int* c = face_corners[face.face];
-    Mat3<double> x;
-    for (int k = 0; k < 3; ++k) x.col(k) = mesh.points.col(mesh.tets(c[k], face.tet));
-    if ((n.transpose() * x).minCoeff() < begin) continue;
-    sum += std::max(0.0, n.dot((x.col(1) - x.col(0)).cross(x.col(2) - x.col(0))) / 2);
-  }
-  return sum;
-}
-
-const Side& broadest_side(const TetMesh& mesh) {
-  const std::vector<TetFace> boundary = outer_faces(mesh);
-  return *std::max_element(sides.begin(), sides.end(), [&](const Side& a, const Side& b) {
-    return breadth(mesh, boundary, a) < breadth(mesh, boundary, b);
-  });
-}
-
-const Side& held_side(const MakeSceneOptions& options, const TetMesh& mesh) {
-  if (options.hold.empty()) return broadest_side(mesh);
-  return *std::find_if(sides.begin(), sides.end(),
-                       [&](const Side& side) { return options.hold == side.name; });
-}
-
-// A plane beyond which a twentieth of the body's extent lies, or more where that has too few vertices.
-double plane_of(const TetMesh& mesh, const Side& side, Index& held) {
-  std::vector<double> heights(static_cast<std::size_t>(mesh.vertex_count()));
-  const Vec3d n = side.normal();
-  for (Index v = 0; v < mesh.vertex_count(); ++v) heights[std::size_t(v)] = n.dot(mesh.points.col(v));
-  std::sort(heights.begin(), heights.end(), std::greater<>());
-  const double extent = heights.front() - heights.back();
-  const std::size_t least = std::min(heights.size(), std::max<std::size_t>(8, heights.size() / 50));
-  const double height = std::min(heights.front() - extent / 20, heights[least - 1] - 1e-6 * extent);
-  held = static_cast<Index>(
-      std::count_if(heights.begin(), heights.end(), [&](double h) { return h >= height; }));
-  return side.sign * height;
-}
-
 Json materials_of(const MeshFile& file, const std::string& tissue) {
   std::vector<int> labels = file.mesh.labels;
   std::sort(labels.begin(), labels.end());
@@ -176,22 +122,18 @@ Json materials_of(const MeshFile& file, const std::string& tissue) {
 // A number as people write it: four digits.
 double short_number(double value) { return std::stod(rounded(value)); }
 
-Json scene_json(const MakeSceneOptions& options, const Body& body, const Side& side, double plane) {
+Json scene_json(const MakeSceneOptions& options, const Body& body, const HeldParts& held) {
   const Tissue& tissue = *find_tissue(options.tissue);
   // Twice the bulk modulus, E/(3 (1 − 2ν)), as in the scenes of data/.
   const double penalty = 2 * tissue.young_modulus / (3 * (1 - 2 * tissue_poisson_ratio));
   const auto folder = std::filesystem::absolute(options.output).parent_path();
-  const Vec3d no_minus = Vec3d::Zero();  // −0 + 0 = 0
-  const Vec3d point = plane * Vec3d::Unit(side.axis) + no_minus, n = side.normal() + no_minus;
   Json json{{"name", options.output.stem().string()},
             {"mesh", std::filesystem::proximate(std::filesystem::absolute(body.mesh), folder).string()}};
   if (body.scale != 1) json["mesh_scale"] = body.scale;
   json["materials"] = materials_of(body.file, options.tissue);
   json["volume_penalty"] = short_number(penalty);
   json["guard_below"] = 0.2;
-  const Json held{
-      {"point", {point[0], point[1], point[2]}}, {"normal", {n[0], n[1], n[2]}}, {"side", "above"}};
-  json["boundary"] = {{{"fix", true}, {"where", {{"plane", held}}}}};
+  write_held_parts(held, json);
   json["time"] = {{"duration", 10}, {"frame", 0.02}, {"damping", 15}};
   json["output"] = {{"every", 0.1}};
   return json;
@@ -208,12 +150,16 @@ void check_options(const MakeSceneOptions& options) {
   }
   if (lower_extension(options.output) != ".json")
     faults.push_back({"--output", options.output.string() + ": expected a name that ends in .json"});
+  if (options.hold == "none" && options.pins.empty())
+    faults.push_back({"--hold", "none: then nothing holds the body, unless there are pins (--pin X,Y,Z)"});
+  if (options.hold == "none" && options.springs > 0)
+    faults.push_back({"--springs", "are those of a side, but --hold is none"});
   for (const std::filesystem::path& file : options.files)
     if (!std::filesystem::exists(file)) faults.push_back({file.string(), "no such file"});
   if (!faults.empty()) throw InputError(std::move(faults));
 }
 
-void print_choices(const MakeSceneOptions& options, const Body& body, const Side& side, Index held) {
+void print_choices(const MakeSceneOptions& options, const Body& body, const HeldParts& held) {
   const TetMesh& mesh = body.file.mesh;
   const Vec3d size = bounding_box(mesh).max - bounding_box(mesh).min;
   const Tissue& tissue = *find_tissue(options.tissue);
@@ -224,19 +170,12 @@ void print_choices(const MakeSceneOptions& options, const Body& body, const Side
   std::printf("material   %s: E %s kPa, nu %s, density %s kg/m³ (--tissue; lobe tissues lists them)\n",
               options.tissue.c_str(), rounded(tissue.young_modulus / 1000).c_str(),
               rounded(tissue_poisson_ratio).c_str(), rounded(tissue.density).c_str());
-  std::printf("held       %d vertices at the side %s%s (--hold)\n", held, side.name,
-              options.hold.empty() ? ", the broadest one" : "");
+  for (const std::string& line : words_of(held, options)) std::printf("held       %s\n", line.c_str());
   std::printf("gravity    none: a shape that was measured in place has its weight in it\n");
   std::printf("written to %s\n", options.output.string().c_str());
 }
 
 }  // namespace
-
-std::vector<std::string> names_of_sides() {
-  std::vector<std::string> names;
-  for (const Side& side : sides) names.emplace_back(side.name);
-  return names;
-}
 
 std::filesystem::path default_scene(const MakeSceneOptions& options) {
   return options.files.front().stem().string() + "_scene.json";
@@ -247,10 +186,8 @@ int make_scene(const MakeSceneOptions& given) {
   if (options.output.empty()) options.output = default_scene(options);
   check_options(options);
   Body body = find_body(options);
-  const Side& side = held_side(options, body.file.mesh);
-  Index held = 0;
-  const double plane = plane_of(body.file.mesh, side, held);
-  const std::string text = scene_json(options, body, side, plane).dump(2) + "\n";
+  const HeldParts held = find_held_parts(options, body.file.mesh);
+  const std::string text = scene_json(options, body, held).dump(2) + "\n";
   Scene scene = parse_scene(text, options.output);
   bind_groups(body.file, scene);
   scene.mesh_scale = 1;  // it is in metres here
@@ -259,7 +196,7 @@ int make_scene(const MakeSceneOptions& given) {
     warnings.push_back(std::move(warning));
   print_warnings(warnings);
   io::write_file(options.output, text);
-  print_choices(options, body, side, held);
+  print_choices(options, body, held);
   return done;
 }
 

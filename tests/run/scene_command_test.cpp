@@ -64,6 +64,34 @@ TEST_CASE("the side that is held and the scale can be chosen") {
   CHECK(has(ended.out, "held       15 vertices at the side x+ (--hold)"));
 }
 
+TEST_CASE("a side lies on springs, and pins hold with a side or alone") {
+  const Folder folder;
+  write_plate(folder);
+  const Ended bed = lobe_in(folder, "scene plate.vtu -o bed.json --springs 50000 --pin 0.08,0.04,0.01");
+  REQUIRE_MESSAGE(bed.status == 0, bed.err);
+  CHECK(bed.err.empty());
+  CHECK(has(bed.out,
+            "held       45 vertices at the side z-, the broadest one (--hold), on springs of 5e+04 Pa/m"));
+  CHECK(has(bed.out, "held       a pin of radius"));
+  const Json scene = Json::parse(bytes_of(folder.path / "bed.json"));
+  REQUIRE(scene["boundary"].size() == 1);
+  const Json ball = scene["boundary"][0]["where"]["sphere"];
+  CHECK(ball["center"] == Json({0.08, 0.04, 0.01}));
+  CHECK(ball["radius"].get<double>() == near(0.01, 0.01));  // to the fourth vertex
+  CHECK(scene["attachments"][0]["bed"]["stiffness"] == 50000);
+  CHECK(lobe_in(folder, "check bed.json").status == 0);
+  const Ended alone = lobe_in(folder, "scene plate.vtu -o bed.json --springs 50000");
+  REQUIRE_MESSAGE(alone.status == 0, alone.err);
+  CHECK(alone.err.empty());  // a bed holds the body: it does not float
+  const Ended pins = lobe_in(folder, "scene plate.vtu -o pins.json --hold none --pin 0,0,0 --pin 0.08,0,0");
+  REQUIRE_MESSAGE(pins.status == 0, pins.err);
+  CHECK(Json::parse(bytes_of(folder.path / "pins.json"))["boundary"].size() == 2);
+  CHECK(has(lobe_in(folder, "scene plate.vtu --hold none").err, "--hold: none: then nothing holds the body"));
+  CHECK(has(lobe_in(folder, "scene plate.vtu --pin 1,0,0").err, "--pin: 1,0,0 is 0.92 m from the body"));
+  for (const char* wrong : {"1,2", "1,2,3,4", "a,b,c", "1,2,inf", "1 2 3"})
+    CHECK(lobe_in(folder, std::string("scene plate.vtu --pin '") + wrong + "'").status == 2);
+}
+
 TEST_CASE("what lobe scene cannot do is refused before anything is written") {
   const Folder folder;
   write_plate(folder);

@@ -148,6 +148,14 @@ class BoundaryResolver {
     }
   }
 
+  bool is_tied_to_world() const {
+    const std::vector<SceneAttachment>& attachments = resolution_.scene.attachments;
+    return std::any_of(attachments.begin(), attachments.end(), [](const SceneAttachment& attachment) {
+      if (const auto* bed = std::get_if<SceneBed>(&attachment.what)) return !bed->to;
+      return std::get<SceneLigament>(attachment.what).ends_in_world;
+    });
+  }
+
   void write_prescribed() {
     for (Index v = 0; v < setup_.mesh.vertex_count(); ++v) {
       PrescribedVertex prescribed{v, Vec3d::Zero(), {}};
@@ -159,7 +167,7 @@ class BoundaryResolver {
       }
       if (prescribed.axes != Axes{}) setup_.prescribed.push_back(prescribed);
     }
-    if (setup_.prescribed.empty() && setup_.partly_held.empty()) {
+    if (setup_.prescribed.empty() && setup_.partly_held.empty() && !is_tied_to_world()) {
       resolution_.warn(
           "", "nothing is fixed: the body floats; add {\"fix\": true, \"where\": …} to \"boundary\"");
     }

@@ -34,12 +34,21 @@ std::vector<char> tied_tets(const Setup& setup, const std::vector<char>& held) {
   return tied;
 }
 
+bool holds_nothing(const Setup& setup) {
+  const auto is_tied = [](const AttachmentSetup& attachment) {
+    return std::any_of(attachment.strands.begin(), attachment.strands.end(),
+                       [](const StrandSetup& strand) { return strand.ends_in_world(); });
+  };
+  return setup.prescribed.empty() && setup.partly_held.empty() &&
+         std::none_of(setup.attachments.begin(), setup.attachments.end(), is_tied);
+}
+
 }  // namespace
 
 // Of a body that nothing holds at all another warning says so, and one that an obstacle may carry has none.
 void warn_of_unheld_pieces(Resolution& resolution) {
   const Setup& setup = resolution.result.setup;
-  if ((setup.prescribed.empty() && setup.partly_held.empty()) || !setup.contact.obstacles.empty()) return;
+  if (holds_nothing(setup) || !setup.contact.obstacles.empty()) return;
   std::vector<std::vector<Index>> open = Topology(setup.mesh).pieces();
   std::vector<char> held = held_from_the_start(setup);
   std::vector<char> tied;

@@ -33,6 +33,15 @@ std::string errors_of(const std::string& said) {
   return found.empty() ? last : found;
 }
 
+// Throws InputError with what is in trouble, and what the program says.
+void run_lobe(const std::vector<std::string>& arguments, const std::filesystem::path& folder,
+              const std::string& trouble, Child& child) {
+  const int status = child.run(arguments, folder);
+  if (child.was_stopped()) throw InputError(trouble, "it was cancelled");
+  if (status == 127) throw InputError("lobe", "not found in the folder of lobe-view or on the PATH");
+  if (status != 0) throw InputError(trouble, errors_of(child.said()));
+}
+
 // That all of the body has, by its moduli; empty if there is none.
 std::string tissue_of(const Scene& scene) {
   for (const Tissue& tissue : tissues()) {
@@ -47,16 +56,47 @@ std::string tissue_of(const Scene& scene) {
   return {};
 }
 
-// The side that is held, as `lobe scene` names it; empty if it is none.
-std::string held_side(const Scene& scene) {
-  for (const Boundary& entry : scene.boundary) {
-    const auto* plane = std::get_if<SelectPlane>(&entry.where.value);
-    if (entry.kind != Boundary::Kind::fix || !plane || plane->side != SelectPlane::Side::above) continue;
-    for (int k = 0; k < 3; ++k)
-      if (std::abs(plane->normal[k]) == plane->normal.norm())
-        return std::string(1, "xyz"[k]) + (plane->normal[k] > 0 ? "+" : "-");
-  }
+// The side that a selector takes, as `lobe scene` names it; empty if it is none.
+std::string side_of(const Selector& where) {
+  const auto* plane = std::get_if<SelectPlane>(&where.value);
+  if (!plane || plane->side != SelectPlane::Side::above) return {};
+  for (int k = 0; k < 3; ++k)
+    if (std::abs(plane->normal[k]) == plane->normal.norm())
+      return std::string(1, "xyz"[k]) + (plane->normal[k] > 0 ? "+" : "-");
   return {};
+}
+
+// What holds a scene, as `lobe scene` makes it: "hold" is empty for what it does not make.
+Json holding_of(const Scene& scene) {
+  std::string side;
+  double springs = 0;
+  Json pins = Json::array();
+  bool is_known = scene.boundary.size() + scene.attachments.size() > 0;
+  const auto hold_side = [&](const Selector& where) {
+    const std::string found = side_of(where);
+    is_known = is_known && side.empty() && !found.empty();
+    side = found;
+  };
+  for (const Boundary& entry : scene.boundary) {
+    const auto* ball = std::get_if<SelectSphere>(&entry.where.value);
+    if (entry.kind != Boundary::Kind::fix)
+      is_known = false;
+    else if (ball)
+      pins.push_back({ball->center[0], ball->center[1], ball->center[2]});
+    else
+      hold_side(entry.where);
+  }
+  for (const SceneAttachment& attachment : scene.attachments) {
+    const auto* bed = std::get_if<SceneBed>(&attachment.what);
+    if (!bed || bed->to || bed->fracture_energy) {
+      is_known = false;
+      continue;
+    }
+    hold_side(bed->from);
+    springs = bed->stiffness;
+  }
+  if (!is_known) return {{"hold", ""}, {"springs", 0.0}, {"pins", Json::array()}};
+  return {{"hold", side.empty() ? "none" : side}, {"springs", springs}, {"pins", pins}};
 }
 
 }  // namespace
@@ -65,7 +105,7 @@ Choices carried_over(Origin& origin, const Choices& wanted) {
   if (wanted.scale != 0) origin.edge = 0;
   if (wanted.scale != 0) origin.scale = std::max(0.0, wanted.scale);
   if (wanted.edge > 0) origin.edge = wanted.edge;
-  return {wanted.tissue, wanted.hold, origin.edge, origin.scale};
+  return {wanted.tissue, wanted.hold, origin.edge, origin.scale, wanted.springs, wanted.pins};
 }
 
 std::filesystem::path make_scene_file(const Origin& origin, const Choices& choices,
@@ -81,12 +121,24 @@ std::filesystem::path make_scene_file(const Origin& origin, const Choices& choic
   add("--hold", choices.hold);
   add("--edge", exact(choices.edge));
   add("--scale", exact(choices.scale));
-  const int status = child.run(arguments, folder);
-  if (child.was_stopped()) throw InputError(origin.files.front().filename().string(), "was not opened");
-  if (status == 127) throw InputError("lobe", "not found in the folder of lobe-view or on the PATH");
-  if (status != 0)
-    throw InputError(origin.files.front().filename().string() + " was not opened", errors_of(child.said()));
+  add("--springs", exact(choices.springs));
+  for (const Vec3d& pin : choices.pins)
+    add("--pin", exact(pin.x()) + "," + exact(pin.y()) + "," + exact(pin.z()));
+  run_lobe(arguments, folder, origin.files.front().filename().string() + " was not opened", child);
   return scene;
+}
+
+Json total_errors_of(const std::filesystem::path& scene, const std::filesystem::path& folder, Child& child) {
+  const std::string trouble = "the error was not measured";
+  run_lobe({program::sibling("lobe").string(), "check", scene.string(), "--total-error", "--json"}, folder,
+           trouble, child);
+  const std::string said = child.said();  // warnings are before and after it
+  const std::size_t begin = said.starts_with('{') ? 0 : said.find("\n{"), end = said.rfind('}');
+  if (begin != said.npos && end != said.npos && begin < end) {
+    const Json description = Json::parse(said.substr(begin, end + 1 - begin), nullptr, false);
+    if (description.is_object() && description.contains("total_error")) return description["total_error"];
+  }
+  throw InputError(trouble, "lobe check has not said it");
 }
 
 std::pair<Scene, Resolved> load_scene(const std::filesystem::path& file,
@@ -114,9 +166,12 @@ Json note_choices(Origin& origin, const Scene& scene, const Resolved& resolved) 
   const double volume = total_volume(mesh);
   Json files = Json::array();
   for (const std::filesystem::path& file : origin.files) files.push_back(file.filename().string());
+  const Json holding = holding_of(scene);
   return {{"files", files},
           {"tissue", tissue_of(scene)},
-          {"hold", held_side(scene)},
+          {"hold", holding["hold"]},
+          {"springs", holding["springs"]},
+          {"pins", holding["pins"]},
           {"edge", std::cbrt(6 * std::sqrt(2) * volume / mesh.tet_count())},
           {"has_own_mesh", has_own_mesh(origin)},
           {"scale", origin.scale},

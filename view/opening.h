@@ -15,9 +15,11 @@ namespace lobe::view {
 
 // What is chosen where a scene is made. What is empty or 0 is chosen by `lobe`.
 struct Choices {
-  std::string tissue, hold;  // as the options --tissue and --hold of `lobe scene` have them
-  double edge = 0;           // of tetrahedra that a surface is filled with [m]
-  double scale = 0;          // from the files' coordinates to metres
+  std::string tissue, hold;      // as the options --tissue and --hold of `lobe scene` have them
+  double edge = 0;               // of tetrahedra that a surface is filled with [m]
+  double scale = 0;              // from the files' coordinates to metres
+  double springs = 0;            // of a bed under the side that is held [Pa/m]; 0: it is fixed
+  std::vector<Vec3d> pins = {};  // places that are fixed, at rest [m]
 };
 
 // Of what a scene was made.
@@ -37,6 +39,10 @@ Choices carried_over(Origin& origin, const Choices& wanted);
 // Makes a scene in a folder, and returns its file. Throws InputError with what the program says.
 std::filesystem::path make_scene_file(const Origin& origin, const Choices& choices,
                                       const std::filesystem::path& folder, Child& child);
+
+// What `lobe check --total-error --json` says of a scene. Throws InputError with what the program says.
+nlohmann::json total_errors_of(const std::filesystem::path& scene, const std::filesystem::path& folder,
+                               Child& child);
 
 // Throws InputError as reading and resolving do. Warnings of its mesh are among those of what is resolved.
 std::pair<Scene, Resolved> load_scene(const std::filesystem::path& file,

@@ -52,7 +52,7 @@ void Viewer::perform(ClientId, const request::Open& what) {
     if (file.extension() != ".ele") origin.files.push_back(file);  // which is read with its .node
   }
   if (origin.files.empty()) throw InputError("/files", "the .node file is missing");
-  make_and_open(origin, {what.tissue, what.hold, what.edge, what.scale});
+  make_and_open(origin, {what.tissue, what.hold, what.edge, what.scale, what.springs});
 }
 
 void Viewer::perform(ClientId, const request::OpenShipped& what) {
@@ -74,19 +74,33 @@ void Viewer::perform(ClientId, const request::Remake& what) {
   if (!keeps_mesh || origin.files.size() > 1) {
     if (what.edge > 0 && has_own_mesh(origin))
       throw InputError("/edge", "the file has tetrahedra of its own, whose edges stay as they are");
-    const Choices choices = carried_over(origin, {what.tissue, what.hold, what.edge, what.scale});
+    const Choices choices =
+        carried_over(origin, {what.tissue, what.hold, what.edge, what.scale, what.springs, what.pins});
     return make_and_open(origin, choices);
   }
-  const Choices choices{what.tissue, what.hold, 0, origin.mesh_scale};
+  const Choices choices{what.tissue, what.hold, 0, origin.mesh_scale, what.springs, what.pins};
   open("Opening " + origin.files.front().filename().string(), origin,
        [mesh = origin.mesh, choices, folder = inbox_.make_folder()](Child& child) {
          return make_scene_file({{mesh}}, choices, folder, child);
        });
 }
 
+// Of the scene as it is at rest; what is simulated goes on.
+void Viewer::perform(ClientId, const request::Judge&) {
+  if (is_preparing()) throw InputError("/do", "something else is being prepared: wait for it");
+  const std::filesystem::path folder = inbox_.make_folder(), file = folder / "judged.json";
+  Scene scene = with_absolute_paths(scene_);
+  scene.skin.clear();
+  save_scene_mesh(resolved_.setup.mesh, folder, "judged", scene);
+  io::write_file(file, to_json(scene));
+  begin([file, folder](Task& task) { task.errors = total_errors_of(file, folder, task.child); },
+        "Measuring the error");
+  changed();
+}
+
 // Its thread may go on for a while; what it makes is thrown away.
 void Viewer::perform(ClientId, const request::Cancel&) {
-  if (!task_ || task_->title.empty()) throw InputError("/do", "nothing is being opened");
+  if (!task_ || task_->title.empty()) throw InputError("/do", "nothing is being opened or measured");
   task_->child.stop();
   tell_all("note", task_->title + " was cancelled.");
   const std::lock_guard lock(changing_);
@@ -123,6 +137,7 @@ void Viewer::write_choices(Client& client, BlockWriter& out) {
   const Json choices{{"opened", opened_},
                      {"chosen", chosen_},
                      {"is_painted", is_painted_},
+                     {"errors", errors_},
                      {"shipped", shipped},
                      {"tissues", known},
                      {"extensions", readable_extensions()},

@@ -64,6 +64,13 @@ void read(const Json& json, const std::string& place, Eigen::Matrix<double, coun
     value[k] = number_in(json[std::size_t(k)], place + "/" + std::to_string(k), largest_number);
 }
 
+void read(const Json& json, const std::string& place, std::vector<Vec3d>& values) {
+  constexpr std::size_t most = 100;
+  if (!json.is_array() || json.size() > most) throw InputError(place, "must be a list of at most 100 points");
+  for (std::size_t i = 0; i < json.size(); ++i)
+    read(json[i], place + "/" + std::to_string(i), values.emplace_back());
+}
+
 // In 16 bytes, filled up with zeros.
 void put_name(std::string_view name, BlockWriter& out) {
   char label[16] = {};

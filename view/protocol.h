@@ -303,11 +303,12 @@ struct Save {
 struct Open {
   std::vector<std::string> files;
   std::string tissue, hold;
+  double springs = 0;          // of a bed under the side that is held [Pa/m]
   double edge = 0, scale = 0;  // [m]; to metres
   static constexpr const char* name = "open";
   static constexpr auto fields =
       std::tuple(Field{"files", &Open::files}, Field{"tissue", &Open::tissue}, Field{"hold", &Open::hold},
-                 Field{"edge", &Open::edge}, Field{"scale", &Open::scale});
+                 Field{"springs", &Open::springs}, Field{"edge", &Open::edge}, Field{"scale", &Open::scale});
 };
 // Opens one of the scenes and meshes that come with lobe (library.h).
 struct OpenShipped {
@@ -318,12 +319,20 @@ struct OpenShipped {
 // Makes the scene anew with other choices. Edge and scale 0: those that it was made with; scale −1: found.
 struct Remake {
   std::string tissue, hold;
+  double springs = 0;
+  std::vector<Vec3d> pins;  // at rest [m]
   double edge = 0, scale = 0;
   static constexpr const char* name = "remake";
   static constexpr auto fields = std::tuple(Field{"tissue", &Remake::tissue}, Field{"hold", &Remake::hold},
+                                            Field{"springs", &Remake::springs}, Field{"pins", &Remake::pins},
                                             Field{"edge", &Remake::edge}, Field{"scale", &Remake::scale});
 };
-// Stops what is being opened.
+// Measures how far the mesh is from the truth of its own body (linearity/total_error.h).
+struct Judge {
+  static constexpr const char* name = "judge";
+  static constexpr auto fields = std::tuple();
+};
+// Stops what is being opened or measured.
 struct Cancel {
   static constexpr const char* name = "cancel";
   static constexpr auto fields = std::tuple();
@@ -335,10 +344,10 @@ struct SaveScene {
   static constexpr auto fields = std::tuple(Field{"to", &SaveScene::to});
 };
 
-using Any =
-    std::variant<Seen, Take, Burn, Cut, Touch, Jaws, Close, Lead, LetGo, Pause, Step, Speed, Restart, Back,
-                 Show, Skin, Control, HandOver, Keep, Export, Edit, Paint, PaintMaterial, NewMaterial, Mend,
-                 PaintAll, Stroke, Undo, Propose, Apply, Save, Open, OpenShipped, Remake, Cancel, SaveScene>;
+using Any = std::variant<Seen, Take, Burn, Cut, Touch, Jaws, Close, Lead, LetGo, Pause, Step, Speed, Restart,
+                         Back, Show, Skin, Control, HandOver, Keep, Export, Edit, Paint, PaintMaterial,
+                         NewMaterial, Mend, PaintAll, Stroke, Undo, Propose, Apply, Save, Open, OpenShipped,
+                         Remake, Judge, Cancel, SaveScene>;
 }  // namespace request
 
 inline constexpr int hand_count = 8;

@@ -203,6 +203,11 @@ void Viewer::finish_task() {
   changed();
   if (!task->trouble.empty()) return tell_all("error", task->trouble);
   for (const std::string& warning : task->resolved.warnings) tell_all("note", warning);
+  if (!task->errors.is_null()) {
+    errors_ = task->errors;
+    ++choices_;
+    return;
+  }
   if (!task->live) {
     proposal_ = task->resolved.proposal;
     if (proposal_) painting().use(proposal_->region_of);
@@ -231,6 +236,7 @@ void Viewer::take_over(Task& task) {
   paints_ = false;
   saves_mesh_ = true;
   is_painted_ = !task.origin;
+  errors_ = nullptr;
   ++choices_;
   ++sessions_;
   if (task.origin) {

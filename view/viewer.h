@@ -84,8 +84,9 @@ class Viewer final : public Service {
     std::shared_ptr<Live> live;
     Scene scene;
     Resolved resolved;
-    std::string title;             // of what is being opened; empty: nothing is
+    std::string title;             // of what is being opened or measured; empty: nothing is
     std::optional<Origin> origin;  // of the scene that is opened
+    nlohmann::json errors;         // that were measured; null: none were
     Child child;                   // that makes it
   };
 
@@ -159,6 +160,7 @@ class Viewer final : public Service {
   void perform(ClientId client, const request::Open& what);
   void perform(ClientId client, const request::OpenShipped& what);
   void perform(ClientId client, const request::Remake& what);
+  void perform(ClientId client, const request::Judge& what);
   void perform(ClientId client, const request::Cancel& what);
   void perform(ClientId client, const request::SaveScene& what);
 
@@ -183,6 +185,7 @@ class Viewer final : public Service {
   int sessions_ = 1;                              // as Recordings counts them
   int opened_ = 0;                                // scenes, since the first one
   nlohmann::json chosen_;                         // for the scene that is open (opening.h)
+  nlohmann::json errors_;                         // of its mesh; null: not measured
   bool is_painted_ = false;                       // what is simulated was painted since
   int choices_ = 0;                               // grows when pages must hear of these
   std::vector<std::shared_ptr<Task>> abandoned_;  // that were cancelled, and whose threads may go on

@@ -61,7 +61,14 @@ struct Page {
 };
 
 Json to_open(const std::vector<std::string>& files, const std::string& tissue = "", double scale = 0) {
-  return {{"do", "open"}, {"files", files}, {"tissue", tissue}, {"hold", ""}, {"edge", 0}, {"scale", scale}};
+  return {{"do", "open"}, {"files", files}, {"tissue", tissue}, {"hold", ""},
+          {"springs", 0}, {"edge", 0},      {"scale", scale}};
+}
+
+Json to_remake(const std::string& tissue, const std::string& hold, double springs = 0,
+               const Json& pins = Json::array()) {
+  return {{"do", "remake"}, {"tissue", tissue}, {"hold", hold}, {"springs", springs},
+          {"pins", pins},   {"edge", 0},        {"scale", 0}};
 }
 
 }  // namespace
@@ -163,7 +170,7 @@ TEST_CASE("a mesh that is sent is opened with a tissue, changed, and saved as a 
   CHECK(chosen["size"][0].get<double>() == near(0.06, 2e-4));  // millimetres, by its size
   CHECK(chosen["tets"] == mesh.tet_count());
 
-  viewed.ask(page.id, {{"do", "remake"}, {"tissue", "spleen"}, {"hold", "z-"}, {"edge", 0}, {"scale", 0}});
+  viewed.ask(page.id, to_remake("spleen", "z-"));
   REQUIRE(page.opens(2));
   CHECK(page.choices["chosen"]["tissue"] == "spleen");
   CHECK(page.choices["chosen"]["hold"] == "z-");
@@ -176,9 +183,46 @@ TEST_CASE("a mesh that is sent is opened with a tissue, changed, and saved as a 
   CHECK(read_mesh(mesh_path(kept)).mesh.tet_count() == mesh.tet_count());
 }
 
+TEST_CASE("a body lies on springs and is held by pins, which pages are told; its error is measured") {
+  Viewed viewed;
+  Page page(viewed);
+  REQUIRE(page.opens(0));
+  write_vtu(viewed.folder.path / "cube.vtu", box_mesh({0.06, 0.06, 0.06}, 2, 2, 2));
+  viewed.viewer->received_file("cube.vtu", content_of(viewed.folder.path / "cube.vtu"));
+  Json asked = to_open({"cube.vtu"});
+  asked["hold"] = "z-";
+  asked["springs"] = 2e5;
+  viewed.ask(page.id, asked);
+  REQUIRE(page.opens(1));
+  CHECK(page.choices["chosen"]["hold"] == "z-");
+  CHECK(page.choices["chosen"]["springs"] == 2e5);
+  CHECK(page.choices["chosen"]["pins"].empty());
+
+  const Json pins{{0.06, 0.06, 0.06}, {0.0, 0.06, 0.06}};
+  viewed.ask(page.id, to_remake("liver", "none", 0, pins));
+  REQUIRE(page.opens(2));
+  CHECK(page.choices["chosen"]["hold"] == "none");
+  CHECK(page.choices["chosen"]["springs"] == 0);
+  CHECK(page.choices["chosen"]["pins"] == pins);
+
+  CHECK(page.choices["errors"].is_null());
+  viewed.ask(page.id, {{"do", "judge"}});
+  CHECK(page.comes_to([&] { return page.status.contains("opening"); }));
+  CHECK(page.status["opening"]["title"] == "Measuring the error");
+  REQUIRE(page.comes_to([&] { return !page.choices["errors"].is_null(); }));
+  REQUIRE(!page.choices["errors"].empty());
+  CHECK(page.choices["errors"][0]["element"]["relative_l2"].get<double>() > 0.01);
+  CHECK(page.choices["opened"] == 2);
+  viewed.ask(page.id, to_remake("liver", "z-"));
+  REQUIRE(page.opens(3));
+  CHECK(page.choices["errors"].is_null());
+}
+
 TEST_CASE("what was asked for before stays where a scene is made anew, but no edge in other units") {
   Origin origin{{"organ.stl", "vessel.stl"}, 0.001, 0};
-  Choices choices = carried_over(origin, {"liver", "z+", 0.004, 0});
+  Choices choices = carried_over(origin, {"liver", "z+", 0.004, 0, 5e4, {{1, 2, 3}}});
+  CHECK(choices.springs == 5e4);
+  CHECK(choices.pins.size() == 1);
   CHECK(choices.edge == 0.004);
   CHECK(choices.scale == 0.001);
   choices = carried_over(origin, {"spleen", "", 0, 0});
@@ -243,8 +287,7 @@ TEST_CASE("what cannot be opened leaves the organ as it is") {
   CHECK(page.comes_to([&] { return page.status.contains("opening"); }));
   CHECK(page.comes_to([&] { return !page.status.contains("opening"); }));
   for (const Json& wrong : {to_open({}), to_open({"never_sent.stl"}), Json{{"do", "cancel"}},
-                            Json{{"do", "open_shipped"}, {"what", "../secret.json"}},
-                            Json{{"do", "remake"}, {"tissue", ""}, {"hold", ""}, {"edge", 0}, {"scale", 0}}})
+                            Json{{"do", "open_shipped"}, {"what", "../secret.json"}}, to_remake("", "")})
     viewed.ask(page.id, wrong);
   const double time = page.status["time"];  // enough of it for a scene to be opened
   REQUIRE(page.comes_to([&] { return page.status["time"].get<double>() > time + 0.3; }));

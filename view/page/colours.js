@@ -2,16 +2,41 @@
 
 export const models = [
   // by their number in the protocol
-  {key: 'tensor-mass', name: 'Linear, tensor-mass', note: 'simpler; can be cut', colour: [0.29, 0.52, 0.75]},
+  {
+    key: 'tensor-mass',
+    name: 'Moves little',
+    note: 'fast; can be cut',
+    technical: 'linear, tensor-mass',
+    colour: [0.29, 0.52, 0.75],
+  },
   {
     key: 'precomputed',
-    name: 'Linear, pre-computed',
+    name: 'Moves little, is not cut',
     note: 'fastest; takes a while to prepare',
+    technical: 'linear, pre-computed',
     colour: [0.4, 0.62, 0.5],
   },
-  {key: 'nonlinear', name: 'Non-linear', note: 'right where tissue turns', colour: [0.66, 0.23, 0.18]},
-  {key: 'reduced', name: 'Reduced', note: 'non-linear, coarse where smooth', colour: [0.8, 0.55, 0.3]},
-  {key: 'corotational', name: 'Corotational', note: 'linear, but may turn', colour: [0.55, 0.42, 0.68]},
+  {
+    key: 'nonlinear',
+    name: 'Moves freely',
+    note: 'right everywhere; slowest',
+    technical: 'non-linear',
+    colour: [0.66, 0.23, 0.18],
+  },
+  {
+    key: 'reduced',
+    name: 'Bends smoothly',
+    note: 'faster where the mesh is fine',
+    technical: 'reduced',
+    colour: [0.8, 0.55, 0.3],
+  },
+  {
+    key: 'corotational',
+    name: 'Turns, stretches little',
+    note: 'may turn; wrong where it is stretched',
+    technical: 'corotational',
+    colour: [0.55, 0.42, 0.68],
+  },
 ];
 /** Of materials, by their number. */
 export const materialColours = [
@@ -92,8 +117,8 @@ export function showLegend(element, quantity, range, shares, linearError) {
     element.innerHTML =
       '<div class="swatches">' +
       models
-        .map((model, i) =>
-          shares[i] > 0 ? `<div><i style="background:${css(model.colour)}"></i>${model.name}</div>` : '',
+        .map(({colour, name, technical}, i) =>
+          shares[i] > 0 ? `<div title="${technical}"><i style="background:${css(colour)}"></i>${name}</div>` : '',
         )
         .join('') +
       '</div>';

@@ -84,6 +84,10 @@ export class Editor {
     button.querySelector('i').style.background = css(brush.colour);
     button.querySelector('b').textContent = brush.name;
     button.querySelector('small').textContent = brush.note;
+    if (brush.technical)
+      button
+        .querySelector('small')
+        .append(Object.assign(document.createElement('span'), {className: 'technical', textContent: ` (${brush.technical})`}));
     button.onclick = () => this.choose(brush.key);
     element(place).append(button);
     return {button, brush};
@@ -103,7 +107,7 @@ export class Editor {
       const brush = {
         key: `material-${i}`,
         name,
-        note: `Young's modulus ${Number((1e-3 * young).toPrecision(3))} kPa`,
+        note: `${Number((1e-3 * young).toPrecision(3))} kPa`,
         colour: materialColours[i % materialColours.length],
       };
       this.materials.push(this.addBrush(brush, 'material-brushes'));
@@ -137,9 +141,9 @@ export class Editor {
     if (!unheld) return;
     element('apply').disabled = true;
     element('unheld').querySelector('p').textContent =
-      `A pre-computed part, ${Math.max(1, Math.round(100 * unheld.share))} % of the body, is held nowhere. ` +
-      'Its stiffness is computed for how it lies now: if it turned, it would grow. Hold some of its skin (the ' +
-      'brush Held), or change it:';
+      `A part that “moves little, is not cut”, ${Math.max(1, Math.round(100 * unheld.share))} % of the organ, ` +
+      'is held nowhere. It is computed for how it lies now: if it turned, it would grow. Hold some of its skin ' +
+      '(the brush Held), or change it:';
     element('mend-turning').hidden = !unheld.can_turn;
   }
 
@@ -149,9 +153,9 @@ export class Editor {
       place.innerHTML = `Trying gestures …<progress max="1" value="${busy}"></progress>`;
     } else if (proposal) {
       place.innerHTML =
-        `<b>${proposal.speedup.toFixed(2)} ×</b> as fast as all non-linear; ` +
-        `${Math.round(100 * proposal.linear)} % linear` +
-        '<table><tr><th>Error of</th><th>tried</th><th>predicted</th></tr>' +
+        `<b>${proposal.speedup.toFixed(2)} ×</b> as fast as if all of it moved freely; ` +
+        `${Math.round(100 * proposal.linear)} % moves little` +
+        '<table><tr><th>How far off</th><th>tried</th><th>expected</th></tr>' +
         proposal.gestures
           .map(g => `<tr><td></td><td>${percent(g.error)}</td><td>${percent(g.predicted)}</td></tr>`)
           .join('') +
@@ -162,7 +166,7 @@ export class Editor {
       place.append(note('Simulate this, paint over it, or undo it.'));
       for (const text of proposal.notes) place.append(note(text));
     } else {
-      place.textContent = 'It finds what may be linear: for what your hands did, with an error below that.';
+      place.textContent = 'It finds what moves little: for what your hands did, and off by no more than that.';
     }
   }
 

@@ -27,6 +27,7 @@ export class Hands {
     this.onHover = () => {}; // told what the pointer is over, and where: (hit, x, y); null: over nothing
     this.onBlade = () => {}; // told of a blade that cuts (scalpel.js); null: there is none any more
     this.tape = null; // with begin(hit) and reach(hit)
+    this.pins = null; // with click(hit, x, y), while they are set
     this.brush = null; // of the editor: {paint(point), end()}
     const canvas = stage.canvas;
     canvas.addEventListener('pointerdown', event => this.down(event));
@@ -77,6 +78,7 @@ export class Hands {
     // A second finger zooms where the first one moves the camera; otherwise it is a second hand.
     if (event.button === 0 && (this.may || this.kind === 'measure') && !event.altKey && this.camera.size === 0) {
       const ray = this.stage.ray(x, y);
+      if (this.pins?.isSetting && this.pins.click(this.organ.hit(ray), x, y)) return this.last.delete(pointerId);
       if (this.may && this.kind !== 'paint' && this.takeHeld(event)) return;
       const hit = this.organ.hit(ray);
       if (hit) return this.begin(pointerId, hit, ray);

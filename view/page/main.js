@@ -14,6 +14,7 @@ import {colours as forceColours, Forces} from './forces.js';
 import {History} from './history.js';
 import {DepthGauge} from './depth_gauge.js';
 import {showHaptic} from './haptic.js';
+import {Pins} from './pins.js';
 import {Plot} from './plots.js';
 import {listenToPreferences} from './preferences.js';
 import {Section} from './section.js';
@@ -46,7 +47,8 @@ class Page {
     this.hands.brush = this.editor;
     this.editor.onBrush = quantity => this.mode === 'edit' && this.colour(quantity);
     this.messages = new Messages(element('messages'));
-    this.opener = new Opener(this.ask, text => this.messages.add(text, 'bad'));
+    this.pins = this.hands.pins = new Pins(this.stage, this.organ);
+    this.opener = new Opener(this.ask, text => this.messages.add(text, 'bad'), this.pins);
     this.newtons = new Forces();
     const forces = [
       ...forceColours.map((colour, i) => ({label: `instrument ${i + 1}`, colour})),
@@ -132,6 +134,7 @@ class Page {
       this.organ.move(frame.positions.x);
       this.follow(frame.positions.x);
       this.tape.follow();
+      this.pins.follow();
     }
     this.lines.set(frame.lines ?? []);
     if (frame.scalar) this.organ.setScalar(frame.scalar);
@@ -140,7 +143,6 @@ class Page {
     // Figures beside the organ and in the panel are of the same frame.
     this.isDue = performance.now() - (this.figuresAt ?? 0) > this.stage.betweenFigures();
     if (frame.tools) {
-      this.organ.wounds.see(frame.tools);
       this.newtons.take(frame.tools);
       this.instruments.update(frame.tools, this.isDue);
       this.hands.follow(frame.tools);
@@ -171,16 +173,13 @@ class Page {
     this.opener.take(choices);
     if (!isOther) return;
     this.isOther = true; // until its surface is there
-    this.organ.wounds.forget();
     this.volume = 0;
     this.history.forget(0);
     this.tape.clear();
     this.hands.forget();
   }
 
-  takeTopology({topology, fibres, bodies, positions, tools, status}) {
-    if (status?.time < this.status.time) this.organ.wounds.wentBack();
-    this.organ.wounds.see(tools ?? []);
+  takeTopology({topology, fibres, bodies, positions, status}) {
     this.bodies.take(status?.bodies ?? []);
     this.organ.held = null;
     const first = !this.organ.topology || this.isOther;

@@ -14,17 +14,29 @@ const sides = {
   'z-': 'at its bottom',
   'z+': 'at its top',
 };
+const none = ['none', 'at its pins alone'];
+// How the side lies that is held: stiffness of a bed per area [Pa/m].
+const beds = [
+  [0, 'fixed'],
+  [5e4, 'on soft springs'],
+  [2e5, 'on springs'],
+  [1e6, 'on firm springs'],
+];
 const units = [
   [1, 'metres'],
   [0.01, 'centimetres'],
   [0.001, 'millimetres'],
 ];
 
+const sidesOffered = () => Object.entries(sides).map(([side, words]) => option(side, words));
+
 export class Opener {
-  /** @param {(request: object) => void} ask @param {(text: string) => void} tell what is wrong */
-  constructor(ask, tell) {
+  /** @param {(request: object) => void} ask @param {(text: string) => void} tell what is wrong
+   *  @param {Pins} pins (pins.js) */
+  constructor(ask, tell, pins) {
     this.ask = ask;
     this.tell = tell;
+    this.pins = pins;
     this.choices = {shipped: [], tissues: [], extensions: [], largest_file: Infinity, chosen: null};
     this.now = {possible: 0, tets: 0}; // of the organ that is simulated
     this.may = false; // this page controls
@@ -38,7 +50,14 @@ export class Opener {
       target.value = '';
     };
     element('edge').oninput = () => this.showChoices();
-    for (const id of ['tissue', 'hold', 'units']) element(id).onchange = () => this.showChoices();
+    for (const id of ['tissue', 'hold', 'springs', 'units']) element(id).onchange = () => this.showChoices();
+    pins.onChange = () => this.showChoices();
+    element('pin-set').onclick = () => this.setPins(!pins.isSetting);
+    element('pin-clear').onclick = () => {
+      pins.set([]);
+      this.showChoices();
+    };
+    element('judge').onclick = () => this.ask({do: 'judge'});
     element('remake').onclick = () => this.remake();
     element('open-cancel').onclick = () => this.ask({do: 'cancel'});
     element('scene-save-name').oninput = ({target}) => {
@@ -67,6 +86,16 @@ export class Opener {
     element('opener').hidden = !on;
     element('open-button').ariaExpanded = String(on);
     element('open-button').classList.toggle('on', on);
+    this.pins.show(on);
+    if (!on) this.setPins(false);
+  }
+
+  /** Whether clicks on the organ set pins. */
+  setPins(on) {
+    this.pins.isSetting = on;
+    element('pin-set').ariaPressed = String(on);
+    element('pin-set').textContent = on ? 'Done' : 'Set';
+    this.showChoices();
   }
 
   /** Files one after the other, then asks to open them. What is wrong is said before anything is sent. */
@@ -91,7 +120,20 @@ export class Opener {
       names.push(name);
     }
     this.show('');
-    this.ask({do: 'open', files: names, tissue: '', hold: '', edge: 0, scale: 0});
+    this.ask({do: 'open', files: names, ...this.wishes()});
+  }
+
+  /** What was chosen for a file before it is opened; where nothing was, lobe chooses. */
+  wishes() {
+    const value = id => element(`new-${id}`).value,
+      edge = 1e-3 * Number(value('edge'));
+    return {
+      tissue: value('tissue'),
+      hold: value('hold'),
+      springs: Number(value('springs')),
+      edge: edge > 0 ? edge : 0,
+      scale: Number(value('units')),
+    };
   }
 
   fault(file) {
@@ -112,21 +154,25 @@ export class Opener {
     for (const {name, title} of choices.shipped)
       (name.startsWith('scenes/') ? scenes : organs).append(option(name, title));
     element('shipped').replaceChildren(option('', 'Choose …'), scenes, organs);
+    if (!element('new-tissue').options.length) this.offer();
+    this.showErrors(choices.errors);
     const {chosen} = choices;
     element('chosen').hidden = !chosen;
     if (!chosen) return;
     element('chosen-files').textContent = chosen.files.join(', ');
     element('chosen-size').textContent =
       chosen.size.map(side => (1e3 * side).toPrecision(3)).map(Number).join(' × ') + ' mm';
-    const kilopascals = young => Number((young / 1e3).toPrecision(2));
-    element('tissue').replaceChildren(
-      ...choices.tissues.map(({name, young}) => option(name, `${name}, ${kilopascals(young)} kPa`)),
-    );
+    element('tissue').replaceChildren(...this.tissues());
     if (!chosen.tissue) element('tissue').prepend(option('', 'several'));
     element('tissue').value = chosen.tissue;
-    element('hold').replaceChildren(...Object.entries(sides).map(([side, words]) => option(side, words)));
-    if (!chosen.hold) element('hold').prepend(option('', 'as painted'));
+    element('hold').replaceChildren(...sidesOffered(), option(...none));
+    if (!chosen.hold) element('hold').prepend(option('', 'otherwise'));
     element('hold').value = chosen.hold;
+    element('springs').replaceChildren(...beds.map(([stiffness, words]) => option(stiffness, words)));
+    if (!beds.some(([stiffness]) => stiffness === chosen.springs))
+      element('springs').append(option(chosen.springs, `on springs of ${chosen.springs / 1e3} kPa/m`));
+    element('springs').value = String(chosen.springs);
+    this.pins.set(chosen.pins);
     const known = units.map(([scale, words]) => option(scale, words)),
       {scale} = chosen;
     if (scale > 0 && !units.some(([unit]) => unit === scale)) known.push(option(scale, `${scale} m`));
@@ -137,6 +183,19 @@ export class Opener {
     const stem = chosen.files[0].replace(/\..*$/, '');
     element('scene-save-name').value = stem.replace(/[^A-Za-z0-9_-]/g, '_');
     this.showChoices();
+  }
+
+  tissues() {
+    const kilopascals = young => Number((young / 1e3).toPrecision(2));
+    return this.choices.tissues.map(({name, young}) => option(name, `${name}, ${kilopascals(young)} kPa`));
+  }
+
+  /** What may be chosen for a file before it is opened. */
+  offer() {
+    element('new-tissue').append(option('', 'liver'), ...this.tissues().filter(({value}) => value !== 'liver'));
+    element('new-hold').append(option('', 'at its broadest side'), ...sidesOffered());
+    element('new-springs').append(...beds.map(([stiffness, words]) => option(stiffness, words)));
+    element('new-units').append(option('0', 'as found'), ...units.map(([scale, words]) => option(scale, words)));
   }
 
   /** The edge that the slider says [m]. */
@@ -151,11 +210,18 @@ export class Opener {
     if (!chosen) return changes;
     for (const id of ['tissue', 'hold'])
       if (element(id).value !== chosen[id]) changes[id] = element(id).value;
+    if (this.springs() !== chosen.springs) changes.springs = this.springs();
+    if (String(this.pins.places()) !== String(chosen.pins)) changes.pins = this.pins.places();
     if (Number(element('edge').value) !== 0) changes.edge = this.edge();
     const scale = Number(element('units').value);
     if (scale === chosen.scale) return changes;
     delete changes.edge; // it is that of the body in other units
-    return {...changes, scale: scale || -1}; // below 0: as lobe finds it
+    return {...changes, pins: [], scale: scale || -1}; // below 0: as lobe finds it
+  }
+
+  /** Of the bed on which the held side lies [Pa/m]. */
+  springs() {
+    return element('hold').value === none[0] ? 0 : Number(element('springs').value);
   }
 
   showChoices() {
@@ -168,17 +234,40 @@ export class Opener {
     if (this.now.possible > 0) figures.push(`${speed(this.now, tets).toPrecision(2)} × real time`);
     figures.push(`error about ${Math.round(100 * error(tets))} %`);
     element('edge-figures').textContent = figures.join(', ');
-    const isUnknown = ['tissue', 'hold'].some(id => element(id).value === '');
-    element('remake').disabled = isUnknown || Object.keys(this.changes()).length === 0;
+    const isUnknown = ['tissue', 'hold'].some(id => element(id).value === ''),
+      changes = this.changes(),
+      pins = changes.pins ?? chosen.pins,
+      isFree = element('hold').value === none[0] && pins.length === 0;
+    element('springs').disabled = element('hold').value === none[0];
+    element('pin-count').textContent = this.pins.list.length || 'none';
+    element('pin-clear').disabled = this.pins.list.length === 0;
+    element('remake').disabled = isUnknown || isFree || Object.keys(changes).length === 0;
     const notes = [];
+    if (this.pins.isSetting) notes.push('Click on the organ where it is fixed, or on a pin to take it out.');
     if (isUnknown) notes.push('Choose a tissue and a held side: those of this scene are of no such kind.');
+    if (isFree) notes.push('Nothing holds it: set a pin, or choose a side.');
+    if (changes.scale && this.pins.list.length > 0) notes.push('In other units its pins are taken out.');
     if (this.choices.is_painted) notes.push('What was painted will be lost.');
     element('remake-note').textContent = notes.join(' ');
   }
 
   remake() {
-    const {tissue, hold} = this.choices.chosen;
-    this.ask({do: 'remake', tissue, hold, edge: 0, scale: 0, ...this.changes()});
+    const {tissue, hold, springs, pins} = this.choices.chosen;
+    this.setPins(false);
+    this.ask({do: 'remake', tissue, hold, springs, pins, edge: 0, scale: 0, ...this.changes()});
+  }
+
+  /** How far the mesh is from the truth of its own body, as `lobe check --total-error --json` has it. */
+  showErrors(errors) {
+    const percent = ({relative_l2: share}) => `${(100 * share).toPrecision(2)} %`;
+    const inWords = ({gesture, trouble, element: mesh, held, total}) => {
+      if (trouble) return `${gesture}: ${trouble}`;
+      if (!total) return `${gesture}: off by ${percent(mesh)}`;
+      return `${gesture}: off by ${percent(total)} (${percent(mesh)} by the mesh, ${percent(held)} by what is held)`;
+    };
+    element('errors').replaceChildren(
+      ...(errors ?? []).map(entry => Object.assign(document.createElement('p'), {textContent: inWords(entry)})),
+    );
   }
 
   /** @param {{possible: number, tets: number, running: boolean, opening?: {title: string}}} status */

@@ -5,7 +5,6 @@ import {quantities, rampColours, tissueOf} from './colours.js';
 import {Fibres} from './fibres.js';
 import {fineLook, quickLook} from './looks.js';
 import {SmoothSurface} from './smooth_surface.js';
-import {Wounds} from './wounds.js';
 
 const joined = (a, b) => {
   const both = new Float32Array(a.length + b.length);
@@ -43,7 +42,6 @@ export class Organ {
     );
     this.shadow.matrixAutoUpdate = this.shadow.frustumCulled = false;
     stage.scene.add(this.mesh, this.lines, this.rim, this.shadow);
-    this.wounds = new Wounds();
     this.section = null; // section.js: what is not drawn is not hit
     this.fibres = new Fibres(stage, document.getElementById('fibres'));
     stage.onLook.push(() => this.dress());
@@ -77,11 +75,10 @@ export class Organ {
   /** @param {Float32Array} [x] present positions, where it is not at rest
    *  @param {Uint8Array} [body] of each triangle, where there are several */
   setTopology(topology, x, fibres, body) {
-    const cut = this.wounds.kinds(topology, x ?? topology.rest);
-    this.surface = {...topology, cut, body}; // of the tetrahedra, as the server tells it
+    this.surface = {...topology, body}; // of the tetrahedra, as the server tells it
     this.topology = this.composed();
     this.revision = topology.revision;
-    this.cutCount = topology.cut.reduce((sum, c) => sum + c, 0);
+    this.cutCount = topology.cut.reduce((sum, c) => sum + Number(c > 0), 0);
     this.shares = models.map(() => 0);
     for (const r of topology.region) this.shares[r] += 1 / topology.region.length;
     this.scalar = null;

@@ -17,3 +17,12 @@ macro(lobe_find_library name header library)
       IMPORTED_LOCATION ${LOBE_${name}_LIBRARY} INTERFACE_INCLUDE_DIRECTORIES ${LOBE_${name}_INCLUDE_DIR})
   endif()
 endmacro()
+# What a static library of that kind needs as well, where it is to be found: METIS 5.2 is split into METIS and
+# GKlib.
+macro(lobe_also_link name library)
+  find_library(LOBE_${library}_LIBRARY ${library})
+  mark_as_advanced(LOBE_${library}_LIBRARY)
+  if(TARGET ${name}::${name} AND LOBE_${library}_LIBRARY)
+    set_target_properties(${name}::${name} PROPERTIES INTERFACE_LINK_LIBRARIES ${LOBE_${library}_LIBRARY})
+  endif()
+endmacro()

@@ -15,7 +15,6 @@
 #pragma once
 
 #include <algorithm>
-#include <array>
 #include <limits>
 #include <span>
 #include <vector>
@@ -69,10 +68,6 @@ class Cables {
   template <class Mobility>
   void couple(const Mobility& mobility);
 
-  // The tensions of so many runs are solved at once: of a small cluster, or of each chain of a larger one.
-  static constexpr Index most_direct = 8;
-  Index most_at_once = most_direct;  // 1: each run by itself
-
   bool empty() const { return spans_.empty(); }
   std::vector<Point>& points() { return points_; }
   const std::vector<Point>& points() const { return points_; }
@@ -96,6 +91,7 @@ class Cables {
     Index begin = 0, end = 0;  // in order_
     double tension = 0;        // of its first span
     double compliance = 0;     // of its equation
+    bool is_taut = false;
   };
 
   // Chains that share a point, or act on each other by mobility. Each cluster is solved by itself.
@@ -125,9 +121,11 @@ class Cables {
   void find_runs_of(const Chain& chain, Cluster& cluster, Index& at);
   void find_compliance(Run& run);
   void find_tensions(const Cluster& cluster);
-  std::size_t end_of_block(std::span<const Run> own, std::size_t begin) const;
-  double solve_block(std::span<Run> block);
-  double set_tension(Run& run, double tension);
+  void assemble(std::span<Run> own);
+  double missing(std::span<const Run> own, std::size_t i) const;
+  void solve_taut(std::span<Run> own);
+  // Of the entry (i, j) of A in matrix_ and factor_, whose rows have 2 band_ + 1 entries.
+  std::size_t place_in_band(std::size_t i, std::size_t j) const { return i * 2 * band_ + j + band_; }
   double residual(Index span) const;
   bool find_slips(const Cluster& cluster);
   bool change_slips(const Chain& chain);
@@ -155,10 +153,14 @@ class Cables {
   std::vector<double> ratio_;       // e^(μθ) at q, per span
   std::vector<double> share_;       // T of a span over that of its run's first
   std::vector<double> through_;     // the slip at q into the next span [m]
-  std::vector<Index> order_;        // spans, run by run
-  std::vector<Index> run_of_;       // per span
-  std::vector<Run> runs_;           // those of a cluster from its `begin` on
-  std::vector<Cluster> clusters_;   // in the order of their first chains; none: they are to be found
+  // The equations A T = b of a cluster's runs:
+  std::size_t band_ = 0;                 // how far entries of A are from its diagonal
+  std::vector<double> matrix_, factor_;  // [m/N]
+  std::vector<double> right_;            // [m]
+  std::vector<Index> order_;             // spans, run by run
+  std::vector<Index> run_of_;            // per span
+  std::vector<Run> runs_;                // those of a cluster from its `begin` on
+  std::vector<Cluster> clusters_;        // in the order of their first chains; none: they are to be found
   std::vector<Index> chains_of_, points_of_;       // cluster by cluster, ascending
   std::vector<Index> root_, chain_of_, chain_at_;  // per chain, span, point: scratch of find_clusters()
 };

@@ -3,6 +3,7 @@
 
 #include <CLI/CLI.hpp>
 #include <atomic>
+#include <cmath>
 #include <csignal>
 #include <cstdio>
 #include <optional>
@@ -30,6 +31,7 @@ struct Arguments {
   std::filesystem::path scene, mesh;
   view::ServerOptions server;
   view::ViewerOptions viewer;
+  double patience = 1e-3 * double(view::ViewerOptions{}.patience.count());  // [s]
   bool no_open = false, has_frame = false, is_temporary = false;
 };
 
@@ -77,6 +79,12 @@ void add_options(CLI::App& app, Arguments& options) {
                  "which takes hold by its own button (docs/haptics.md)")
       ->check(CLI::IsMember(
           std::vector<std::string>(std::begin(view::haptic_devices), std::end(view::haptic_devices))))
+      ->capture_default_str();
+  app.add_option(
+         "--patience", options.patience,
+         "time after which the instruments go to a page that has asked for them, if the one that has them "
+         "holds nothing and does not answer [s]")
+      ->check(CLI::Range(0.1, 3600.0))
       ->capture_default_str();
   app.add_option("--threads", options.viewer.live.threads, "threads of the simulation")
       ->check(CLI::Range(1, 256))
@@ -173,6 +181,7 @@ std::unique_ptr<view::Viewer> begin(Arguments& options) {
   view::ViewerOptions viewer_options = options.viewer;
   viewer_options.saves_mesh = options.is_temporary && !meshes_beside(scene).empty();
   viewer_options.live.running = false;  // it begins with the first page
+  viewer_options.patience = std::chrono::milliseconds(std::lround(1e3 * options.patience));
   viewer_options.live.condensing = [&](double fraction) { bar.show(fraction); };
   return std::make_unique<view::Viewer>(std::move(scene), std::move(resolved), viewer_options);
 }

@@ -3,7 +3,9 @@
 import path from 'node:path';
 import {begin, drag, grip, until} from './page_support.mjs';
 
-const {out, check, finish, server, address, browser} = await begin();
+// Of the server with a page that does not answer [s]: long enough for a page to say that it was asked.
+const patience = 3;
+const {out, check, finish, server, address, browser} = await begin('--patience', String(patience));
 const faults = [];
 async function open() {
   const page = await browser.newPage({viewport: {width: 960, height: 640}});
@@ -36,10 +38,10 @@ await pupil.click('#banner button');
 check(await says(teacher, 'Another page asks'), 'the second one asks, and the first one sees it');
 check(await says(pupil, 'You have asked'), 'the second one sees that it has asked');
 await shot(teacher, 'asked');
-await teacher.waitForTimeout(13000);
+await teacher.waitForTimeout(1500 * patience);
 check(
   await teacher.evaluate(() => lobe.status.controls && lobe.force > 0.05 && lobe.hands.active !== null),
-  'after 13 s without an answer the first one holds on, as it has something in its hand',
+  `after ${1.5 * patience} s without an answer the first one holds on, as it has something in its hand`,
 );
 
 // ---- It refuses

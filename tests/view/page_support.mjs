@@ -72,14 +72,17 @@ export const giveDrawn = page =>
     };
   });
 
-/** Plays the scene of the command line, LOBE_VIEW SCENE MODULES OUT, and starts a browser. */
-export async function begin() {
+/**
+ * Plays the scene of the command line, LOBE_VIEW SCENE MODULES OUT, with these options of lobe-view, and
+ * starts a browser.
+ */
+export async function begin(...options) {
   const [program, scene, modules, out] = process.argv.slice(2).map(p => path.resolve(p));
   const browserToLaunch = findBrowser(modules);
   rmSync(out, {recursive: true, force: true});
   mkdirSync(out, {recursive: true});
   const {check, finish} = new Checks();
-  const server = new Server(program, '--save-to', out);
+  const server = new Server(program, '--save-to', out, ...options);
   const address = await server.start(scene);
   const browser = await browserToLaunch.launch();
   return {program, scene, out, check, finish, server, address, browser};

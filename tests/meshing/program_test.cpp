@@ -284,7 +284,7 @@ TEST_CASE("a terminal shows a progress bar, a file does not") {
   const std::string surface = folder.write("s.off", make_sphere(0.05, 4)).string();
   const auto on_terminal = [&](const std::string& options) {
     const std::string screen = (folder.path / "screen").string(),
-                      run = LOBE_BIN_DIR "/lobe-mesh " + surface + " --edge 0.003 -o " +
+                      run = LOBE_BIN_DIR "/lobe-mesh " + surface + " --edge 0.006 -o " +
                             (folder.path / "m.vtu").string() + options;
     REQUIRE(std::system(("script -qec '" + run + "' " + screen + " >/dev/null").c_str()) == 0);
     return text_of(screen);
@@ -293,7 +293,7 @@ TEST_CASE("a terminal shows a progress bar, a file does not") {
   CHECK(contains(screen, "mesh (cgal) [#"));
   CHECK(contains(screen, "tetrahedra of mean edge"));
   CHECK(!contains(on_terminal(" --quiet"), "mesh (cgal)"));
-  CHECK(!contains(lobe_mesh(surface + " --edge 0.003 -o " + (folder.path / "m.vtu").string()).err, "[#"));
+  CHECK(!contains(lobe_mesh(surface + " --edge 0.006 -o " + (folder.path / "m.vtu").string()).err, "[#"));
 }
 
 TEST_CASE("several surfaces become labels in any format, sizes are read from the command line") {

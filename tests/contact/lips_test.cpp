@@ -1,7 +1,10 @@
 // Lips of a cut that a blade has made within tetrahedra, against each other.
 #include <cmath>
+#include <random>
 
 #include "contact/frame.h"
+#include "lobe/contact/boundary_layer.h"
+#include "lobe/contact/contact.h"
 #include "lobe/sim/checkpoint.h"
 #include "lobe/sim/validate.h"
 #include "near.h"
@@ -51,6 +54,12 @@ void slit(World<Real>& world, const TetMesh& mesh) {
   incise(world, incisions);
   CHECK(world.elements().topology.tet_copy_count() > 100);
   CHECK(world.elements().topology.pieces().size() == 1);
+}
+
+Vec3d place_at_rest(const World<double>& world, const ContactSurface::Point& point) {
+  Vec3d x = Vec3d::Zero();
+  for (int i = 0; i < point.count; ++i) x += point.weights[i] * world.elements().points.col(point.corners[i]);
+  return x;
 }
 
 double energy_at_rest(Setup setup, bool is_cut, bool self) {
@@ -130,4 +139,41 @@ TEST_CASE(
   CHECK(most < energy * 1.04);
   CHECK(same_bits(world, other));
   CHECK(same_bits(world, restored));
+}
+
+TEST_CASE("a face is the nearest wherever it is said to be, also at the lips of a closed cut") {
+  const Setup setup = block(RegionModel::nonlinear);
+  World<double> world(setup);
+  slit(world, setup.mesh);
+  REQUIRE(world.advance(1e-4).ok);
+  const Contact<double>* contact = nullptr;
+  for (const auto& term : world.body().terms)
+    if (const auto* found = dynamic_cast<const Contact<double>*>(term.get())) contact = found;
+  REQUIRE(contact);
+  const ContactSurface& surface = contact->surface();
+  BoundaryLayer layer;
+  layer.rebuild(surface, world.elements());
+  std::mt19937 random(1);
+  const auto beside = [&](const Vec3d& x) -> Vec3d {  // by a few units in the last place
+    Vec3d y = x;
+    for (double& value : y) value += (int(random() % 7) - 3) * 2e-18;
+    return y;
+  };
+  int known = 0, wrong = 0;
+  for (const BoundaryLayer::Tet& tet : layer.tets())
+    for (int f : layer.faces_of(tet)) {
+      Vec3d middle = Vec3d::Zero();
+      for (int p : surface.triangles()[std::size_t(f)].points)
+        middle += place_at_rest(world, surface.points()[std::size_t(p)]) / 3;
+      for (int i = 0; i < 4; ++i) {
+        const Vec3d x = beside(middle), y = beside(x);
+        const BoundaryLayer::Nearest nearest = layer.nearest_face(tet, x);
+        if (nearest.face < 0 || !((y - x).norm() < nearest.room) || !layer.is_behind(nearest.face, y))
+          continue;
+        ++known;
+        wrong += layer.nearest_face(tet, y).face != nearest.face;
+      }
+    }
+  CHECK(known > 1000);
+  CHECK(wrong == 0);
 }

@@ -15,6 +15,9 @@ namespace {
 // A point on a face is behind it, whatever rounding says: to take another face for it would be to take it for
 // deep [m].
 constexpr double just_behind = 1e-12;
+// By how much rounding may change distances within a body, and more: lips of a closed cut are equally near
+// but for that, and which is nearer says nothing about points beside [m].
+constexpr double rounding_of_distances = 1e-13;
 
 }  // namespace
 
@@ -223,7 +226,7 @@ double BoundaryLayer::room_about(const Tet& tet, const Vec3d& rest, int nearest,
     if (room_at(std::max(std::abs(g), (rest - ball.centre).norm() - ball.radius)) >= room) continue;
     room = std::min(room, room_at(std::sqrt(square_to(f, rest))));
   }
-  return 0.999 * room;
+  return std::max(0.0, 0.999 * room - rounding_of_distances);
 }
 
 }  // namespace lobe

@@ -21,9 +21,9 @@ void Cables::find_compliance(Run& run) {
   }
 }
 
-// The tensions T of runs are those with A T = b where T > 0 and A T ≥ b where T = 0. Which are taut is found by
-// trying, from those of the last step on. All that are on the wrong side change at once; after as many tries
-// as there are runs, one at a time.
+// The tensions T of runs are those with A T = b where T > 0 and A T ≥ b where T = 0. Which are taut is found
+// by trying, from those of the last step on. All that are on the wrong side change at once; after as many
+// tries as there are runs, one at a time.
 void Cables::find_tensions(const Cluster& cluster) {
   const std::span<Run> own = runs(cluster);
   for (Run& run : own) find_compliance(run);

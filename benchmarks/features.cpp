@@ -13,6 +13,7 @@
 #include "benchmarks/machine.h"
 #include "benchmarks/timing.h"
 #include "lobe/file/atomic_file.h"
+#include "lobe/forces/embedded.h"
 #include "lobe/run/recording.h"
 #include "lobe/sim/checkpoint.h"
 #include "lobe/sim/world.h"
@@ -47,6 +48,19 @@ void add_cautery(Setup& setup, const std::vector<PathPoint>& path) {
 
 void add_loads(Setup& setup) {
   for (Index v = 0; v < setup.mesh.vertex_count(); ++v) setup.vertex_loads.push_back({v, {0, 0, -1e-9}});
+}
+
+// A row of loops of four bites, 4.5 % of the edge apart, which are drawn together.
+void add_stitches(Setup& setup) {
+  const Locator locator(setup.mesh);
+  for (int i = 0; i < 20; ++i) {
+    StitchSetup& stitch = setup.stitches.emplace_back();
+    stitch.name = "stitch " + std::to_string(i + 1);
+    for (const Vec3d& place :
+         {Vec3d(0.45, 0, 0.98), Vec3d(0.48, 0, 0.95), Vec3d(0.52, 0, 0.95), Vec3d(0.55, 0, 0.98)})
+      stitch.bites.push_back(embed(locator, cube_edge * (place + Vec3d(0, 0.07 + 0.045 * i, 0))).point);
+    stitch.ties.push_back({0, 3, 0, 0.03 * cube_edge, 0.1});
+  }
 }
 
 Frame recorded(const WorldPointer& world) {
@@ -103,6 +117,7 @@ const std::vector<Feature>& features() {
        [](Setup& s) {
          add_cautery(s, {{0, {-0.05, 0, 0}}, {later, {-0.05, 0.1, 0}}});
        }},
+      {"20 stitches", "loops of four bites, tightened, side by side", add_stitches},
       {"recording", "a digest of the state per frame", [](Setup&) {}, recorded},
       {"checkpoint ring", "a copy of the state per frame", [](Setup&) {}, kept_in_a_ring},
   };

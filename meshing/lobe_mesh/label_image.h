@@ -6,6 +6,7 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <string>
 #include <vector>
 
 #include "lobe/types.h"
@@ -18,6 +19,7 @@ struct LabelImage {
   // 3 × 4: (i, j, k, 1) of a voxel's centre to its position [m]; +x to the patient's left, +y to the back, +z
   // up.
   Mat34<double> to_world = Mat34<double>::Zero();
+  std::vector<std::string> notes = {};  // on what its labels are, for people
 
   std::int32_t at(Index i, Index j, Index k) const {
     return values[static_cast<std::size_t>(i) +
@@ -31,8 +33,9 @@ struct LabelImage {
 bool is_label_image(const std::filesystem::path& file);
 
 // NRRD 1 to 5 (read by teem) and NIfTI 1 and 2 (read by niftilib), compressed or not. Coordinates become
-// metres where the file names its unit. Throws InputError naming the file: missing or garbled, not three
-// axes, not whole numbers, more than half a billion voxels, spacing or orientation unknown.
+// metres where the file names its unit. Segments of an NRRD file that are in layers, since they overlap, get
+// the labels 1, 2, … in their order (label_layers.h). Throws InputError naming the file: missing or garbled,
+// not three axes, not whole numbers, more than half a billion voxels, spacing or orientation unknown.
 LabelImage read_label_image(const std::filesystem::path& file);
 
 }  // namespace lobe::meshing

@@ -94,7 +94,8 @@ Model make_model(const LabelImage& image, double smoothing) {
   model.features.resize(model.surfaces.size());
   model.labels = grid->values;
   model.volumes = grid->volumes;
-  model.warnings = grid->warnings;
+  model.warnings = image.notes;
+  model.warnings.insert(model.warnings.end(), grid->warnings.begin(), grid->warnings.end());
   model.image_region = [grid, region = RegionAt(*grid)](const Vec3d& point) { return region(point) - 1; };
   return model;
 }

@@ -8,11 +8,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <map>
 #include <memory>
 
+#include "lobe_mesh/label_layers.h"
+
 namespace lobe::meshing {
 namespace {
+
+constexpr std::size_t most_layers = 250;
 
 struct Nuke {
   void operator()(Nrrd* nrrd) const { nrrdNuke(nrrd); }
@@ -75,12 +80,13 @@ Vec3d signs_of(int space) {
   return {1, 1, 1};
 }
 
-Mat34<double> oriented(const std::string& file, const Nrrd& nrrd) {
+// Of its axes from `first` on.
+Mat34<double> oriented(const std::string& file, const Nrrd& nrrd, unsigned first) {
   Mat34<double> to_world;
   const Vec3d signs = signs_of(nrrd.space);
   for (int row = 0; row < 3; ++row) {
     const double unit = signs[row] * metres(file, nrrd.spaceUnits[row]);
-    for (int k = 0; k < 3; ++k) to_world(row, k) = unit * nrrd.axis[k].spaceDirection[row];
+    for (int k = 0; k < 3; ++k) to_world(row, k) = unit * nrrd.axis[first + unsigned(k)].spaceDirection[row];
     to_world(row, 3) = unit * nrrd.spaceOrigin[row];
   }
   if (!to_world.col(3).allFinite())
@@ -101,25 +107,66 @@ Mat34<double> spaced(const std::string& file, const Nrrd& nrrd) {
   return to_world;
 }
 
+// How many layers of segments it has, each with one value per voxel: the first of four axes, which is none of
+// space. 1: one value per voxel.
+std::size_t layers_of(const std::string& file, const Nrrd& nrrd) {
+  if (nrrd.dim == 3 && (nrrd.spaceDim == 0 || nrrd.spaceDim == 3)) return 1;
+  const bool has_layers = nrrd.dim == 4 && nrrd.spaceDim == 3 &&
+                          !std::isfinite(nrrd.axis[0].spaceDirection[0]) && nrrd.axis[0].size > 0;
+  if (!has_layers)
+    throw InputError(file, std::to_string(nrrd.dim) +
+                               " axes, expected 3: one label per voxel; or before these one of layers, whose "
+                               "space direction is 'none'");
+  if (nrrd.axis[0].size > most_layers)
+    throw InputError(file, "more than " + std::to_string(most_layers) + " layers of segments");
+  return nrrd.axis[0].size;
+}
+
+std::string text_of(const Nrrd& nrrd, const std::string& key) {
+  const std::unique_ptr<char, decltype(&std::free)> text(nrrdKeyValueGet(&nrrd, key.c_str()), &std::free);
+  return text ? text.get() : "";
+}
+
+// As 3D Slicer lists them; none where the file does not.
+std::vector<Segment> segments_of(const Nrrd& nrrd) {
+  std::vector<Segment> segments;
+  for (int i = 0; i < 1000; ++i) {
+    const std::string key = "Segment" + std::to_string(i) + "_", value = text_of(nrrd, key + "LabelValue"),
+                      layer = text_of(nrrd, key + "Layer");
+    if (value.empty()) break;
+    segments.push_back({static_cast<std::size_t>(std::strtoul(layer.c_str(), nullptr, 10)),
+                        static_cast<std::int32_t>(std::strtol(value.c_str(), nullptr, 10)),
+                        text_of(nrrd, key + "Name")});
+  }
+  return segments;
+}
+
 }  // namespace
 
 LabelImage read_nrrd(const std::string& file) {
   LabelImage image;
+  std::size_t layers = 1;
   {
     const NrrdOwner header = load(file, true);
-    if (header->dim != 3 || (header->spaceDim != 0 && header->spaceDim != 3))
-      throw InputError(file,
-                       std::to_string(header->dim) +
-                           " axes, expected 3: one label per voxel (save overlapping segments one by one)");
+    layers = layers_of(file, *header);
+    const unsigned first = header->dim - 3;
     std::array<double, 3> size{};
-    for (int k = 0; k < 3; ++k) size[k] = static_cast<double>(header->axis[k].size);
+    for (unsigned k = 0; k < 3; ++k) size[k] = static_cast<double>(header->axis[first + k].size);
+    checked_size(file, {static_cast<double>(layers) * size[0], size[1], size[2]});
     image.size = checked_size(file, size);
-    image.to_world = header->spaceDim == 3 ? oriented(file, *header) : spaced(file, *header);
+    image.to_world = header->spaceDim == 3 ? oriented(file, *header, first) : spaced(file, *header);
     check_axes(file, image.to_world);
     check_type(file, type_of(*header));
   }
   const NrrdOwner nrrd = load(file, false);
-  image.values = to_labels(file, nrrd->data, image.size, type_of(*nrrd));
+  const std::array<Index, 3> stored{Index(layers) * image.size[0], image.size[1], image.size[2]};
+  image.values = to_labels(file, nrrd->data, stored, type_of(*nrrd));
+  if (nrrd->dim == 3) return image;
+  std::vector<Segment> named = segments_of(*nrrd);
+  std::erase_if(named, [&](const Segment& segment) { return segment.layer >= layers; });
+  MergedLayers merged = merge_layers(image.values, layers, named);
+  image.notes.push_back(words_of(merged));
+  image.values = std::move(merged.values);
   return image;
 }
 

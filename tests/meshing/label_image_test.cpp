@@ -9,9 +9,11 @@
 #include <functional>
 #include <numbers>
 
+#include "lobe/error.h"
 #include "lobe_mesh/diagnose.h"
 #include "lobe_mesh/interfaces.h"
 #include "lobe_mesh/label_grid.h"
+#include "lobe_mesh/label_layers.h"
 #include "lobe_mesh/tetrahedralise.h"
 #include "meshing/shapes.h"
 #include "near.h"
@@ -386,4 +388,39 @@ TEST_CASE("edges follow the labels of an image, and its unit does not matter") {
   };
   CHECK(contains(refusal({.label_edges = {{0, 1}}}), "the labels are 1, 2"));
   CHECK(contains(refusal({.mesher = Mesher::tetgen}), "--mesher cgal"));
+}
+
+TEST_CASE("an NRRD image of layers of segments is read with their names") {
+  const SurfaceFolder folder;
+  const std::string header =
+      "NRRD0004\ndimension: 4\nsizes: 2 3 1 1\nendian: little\ntype: uchar\nencoding: raw\n"
+      "space: left-posterior-superior\nspace directions: none (2,0,0) (0,3,0) (0,0,4)\n"
+      "kinds: list domain domain domain\nspace origin: (10,20,30)\n"
+      "Segment0_LabelValue:=1\nSegment0_Layer:=0\nSegment0_Name:=liver\n"
+      "Segment1_LabelValue:=1\nSegment1_Layer:=1\nSegment1_Name:=tumour\n\n";
+  const LabelImage image = read_label_image(folder.write("a.nrrd", header + std::string("\0\0\1\1\1\0", 6)));
+  CHECK(image.size == std::array<Index, 3>{3, 1, 1});
+  CHECK(image.values == std::vector<std::int32_t>{0, 2, 1});
+  CHECK(image.to_world == aligned({2, 3, 4}, {10, 20, 30}));
+  REQUIRE(image.notes.size() == 1);
+  CHECK(image.notes[0].starts_with("its segments are in layers: label 1 is liver, label 2 is tumour;"));
+  std::string fourth = header;
+  fourth.replace(fourth.find("none"), 4, "(1,0,0)");
+  CHECK_THROWS_AS(read_label_image(folder.write("b.nrrd", fourth + std::string(6, '\0'))), InputError);
+}
+
+TEST_CASE("segments in layers get labels in their order, and the last one where they overlap") {
+  // Two layers of five voxels: 1 1 1 1 0 and 0 0 1 2 2.
+  const std::vector<std::int32_t> values{1, 0, 1, 0, 1, 1, 1, 2, 0, 2};
+  const MergedLayers merged = merge_layers(values, 2, {{1, 2, "vessel"}, {0, 1, "liver"}, {1, 1, "tumour"}});
+  CHECK(merged.values == std::vector<std::int32_t>{2, 2, 3, 2, 1});
+  CHECK(merged.shared == 2);
+  CHECK(words_of(merged) ==
+        "its segments are in layers: label 1 is vessel, label 2 is liver, label 3 is tumour; of several "
+        "segments that overlap the last one is taken, in 2 voxels");
+  // A list that does not name all of them is not that of the voxels.
+  const MergedLayers found = merge_layers(values, 2, {{0, 1, "liver"}, {0, 2, "tumour"}});
+  CHECK(found.values == std::vector<std::int32_t>{1, 1, 2, 3, 3});
+  CHECK(words_of(found).starts_with(
+      "its segments are in layers: label 1 is the value 1 of layer 0, label 2 is the value 1 of layer 1"));
 }

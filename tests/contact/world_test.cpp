@@ -178,19 +178,25 @@ TEST_CASE("contact follows cuts: it is that of a body built afresh") {
   CHECK(f.rowwise().sum().norm() == near(expected.rowwise().sum().norm(), 0.1));
 }
 
-TEST_CASE("a pressure of 10 kPa goes at most 0.6 mm deep on a liver, in the median over its surface") {
+TEST_CASE(
+    "a pressure of 10 kPa goes at most 0.6 mm deep on a liver, 1 mm with smoothed tetrahedra, in the "
+    "median") {
   const auto path = std::filesystem::path(LOBE_DATA_DIR) / "meshes" / "liver_10k.vtu";
-  Setup setup = setup_of(read_mesh(path).mesh, RegionModel::nonlinear);
-  setup.probes.push_back(from_above({{0, {0, 0, 1}}}));
-  World<float> world(setup);
-  REQUIRE(world.advance(1e-3).ok);
-  std::vector<double> depths;  // [m]
-  for (const auto& triangle :
-       dynamic_cast<const Contact<float>&>(*world.body().terms.front()).surface().triangles())
-    depths.push_back(1e4 / triangle.stiffness);
-  std::sort(depths.begin(), depths.end());
-  const double median = depths[depths.size() / 2], high = depths[depths.size() * 95 / 100];
-  MESSAGE("depth at 10 kPa " << 1e3 * median << " mm, 95 % quantile " << 1e3 * high << " mm");
-  CHECK(median <= 0.6e-3);
-  CHECK(median > 0.1e-3);
+  const TetMesh mesh = read_mesh(path).mesh;
+  for (const ElementType element : {ElementType::tetrahedron, ElementType::edge_smoothed}) {
+    Setup setup = setup_of(mesh, RegionModel::nonlinear);
+    setup.materials[0].element = element;
+    setup.probes.push_back(from_above({{0, {0, 0, 1}}}));
+    World<float> world(setup);
+    REQUIRE(world.advance(1e-3).ok);
+    std::vector<double> depths;  // [m]
+    for (const auto& triangle :
+         dynamic_cast<const Contact<float>&>(*world.body().terms.front()).surface().triangles())
+      depths.push_back(1e4 / triangle.stiffness);
+    std::sort(depths.begin(), depths.end());
+    const double median = depths[depths.size() / 2], high = depths[depths.size() * 95 / 100];
+    MESSAGE("depth at 10 kPa " << 1e3 * median << " mm, 95 % quantile " << 1e3 * high << " mm");
+    CHECK(median <= (element == ElementType::tetrahedron ? 0.6e-3 : 1e-3));  // by its lower frequencies
+    CHECK(median > 0.1e-3);
+  }
 }

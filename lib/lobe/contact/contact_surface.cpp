@@ -6,7 +6,10 @@
 #include <numeric>
 #include <utility>
 
+#include "lobe/fem/law.h"
+#include "lobe/fem/law_of.h"
 #include "lobe/numerics/symmetric_eigen.h"
+#include "lobe/region/smoothed_edges.h"
 #include "lobe/time/vertex_frequencies.h"
 
 namespace lobe {
@@ -15,18 +18,56 @@ namespace {
 constexpr double least_room = 0.05;  // θ
 constexpr double filled = 1.15;      // φ
 
+Eigen::Vector<double, 6> upper_triangle(const Mat3<double>& B) {
+  return {B(0, 0), B(0, 1), B(0, 2), B(1, 1), B(1, 2), B(2, 2)};
+}
+
+// What the smoothing domains give.
+void add_domains(const Elements& elements, DiagonalStiffness& K) {
+  const SmoothedEdges edges(elements);
+  for (Index e = 0; e < edges.count(); ++e) {
+    const SmoothedEdge& edge = edges[e];
+    if (edge.volume == 0) continue;
+    const bool linear = is_linear(edge.model);
+    const Law<double> law = linear ? smoothed_linear_law(elements, edge) : smoothed_law(elements, edge);
+    for (std::size_t j = 0; j < edge.vertices.size(); ++j) {
+      const Vec3d b = edge.gradients[j];
+      const Mat3<double> B = edge.volume * (linear ? linear_block(law, b, b)
+                                                   : law_diagonal_block(law, Mat3<double>::Zero().eval(), b));
+      K.col(edge.vertices[j]) += upper_triangle(B);
+    }
+  }
+}
+
+// What is left to a tetrahedron itself whose strain is smoothed.
+CornerStiffness corner_stiffness_of_volume(const Elements& elements, Index tet) {
+  CornerStiffness K = CornerStiffness::Zero();
+  if (is_linear(elements.region_of[tet])) return K;
+  const Law<double> law = unsmoothed_law(elements, tet);
+  if (!law.terms.volume && !law.terms.guard) return K;
+  const Shape s = elements.shape_of(tet);
+  for (int c = 0; c < 4; ++c) {
+    const Mat3<double> B = law_diagonal_block(law, Mat3<double>::Zero().eval(), Vec3d(s.gradients.col(c)));
+    K.col(c) = s.volume * upper_triangle(B);
+  }
+  return K;
+}
+
 // What vertices feel at rest when they move alone, of those that `is_wanted`, upper triangles [N/m]. Each
 // tetrahedron is asked once.
 DiagonalStiffness stiffness_at_rest(const Elements& elements, const std::vector<double>& is_wanted) {
   const Topology& topology = elements.topology;
   DiagonalStiffness K = DiagonalStiffness::Zero(6, topology.vertex_count());
+  if (any_smoothed(elements.materials)) add_domains(elements, K);
   std::vector<std::uint8_t> is_known(std::size_t(topology.tet_count()), 0);
   for (Index v = 0; v < topology.vertex_count(); ++v) {
     if (is_wanted[std::size_t(v)] == 0) continue;
     for (Index t : topology.around(v)) {
       if (std::exchange(is_known[std::size_t(t)], 1)) continue;
       const Eigen::Vector4i corners = topology.corners(t);
-      const CornerStiffness stiffness = corner_stiffness(elements, t, Mat34<double>::Zero());
+      const CornerStiffness stiffness = elements.elastic_of(t).is_smoothed()
+                                            ? corner_stiffness_of_volume(elements, t)
+                                            : corner_stiffness(elements, t, Mat34<double>::Zero());
       for (int c = 0; c < 4; ++c) K.col(corners[c]) += stiffness.col(c);
     }
   }

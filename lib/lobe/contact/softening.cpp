@@ -7,6 +7,7 @@
 
 #include "lobe/mesh/surface.h"
 #include "lobe/numerics/lanczos.h"
+#include "lobe/region/smoothed_edges.h"
 #include "lobe/solve/tangent.h"
 
 namespace lobe {
@@ -21,7 +22,14 @@ class RestStiffness {
   explicit RestStiffness(const Elements& elements) : elements_(elements) {
     for (Index t = 0; t < elements.topology.tet_count(); ++t)
       if (elements.topology.alive(t))
-        of_tets_.push_back(tet_stiffness(elements, t, Mat34<double>::Zero(), RegionModel::nonlinear, 0));
+        of_tets_.push_back(
+            unsmoothed_stiffness(elements, t, Mat34<double>::Zero(), RegionModel::nonlinear, 0));
+    if (!any_smoothed(elements.materials)) return;
+    const SmoothedEdges edges(elements);
+    for (Index e = 0; e < edges.count(); ++e)
+      if (edges[e].volume > 0)
+        of_domains_.push_back({edges[e].vertices, domain_stiffness(elements, edges[e], Mat3<double>::Zero(),
+                                                                   RegionModel::nonlinear, 0)});
   }
 
   void add_forces(const Mat3X<double>& u, Mat3X<double>& f) const {  // f −= K u [N]
@@ -33,11 +41,22 @@ class RestStiffness {
       const Eigen::Vector<double, 12> force = *own++ * there.reshaped();
       for (int c = 0; c < 4; ++c) f.col(corners[c]) -= force.segment<3>(3 * c);
     }
+    for (const OfDomain& domain : of_domains_) {
+      const Mat3X<double> there = u(Eigen::all, domain.vertices);
+      const Eigen::VectorXd force = domain.K * there.reshaped();
+      for (std::size_t j = 0; j < domain.vertices.size(); ++j)
+        f.col(domain.vertices[j]) -= force.segment<3>(3 * Eigen::Index(j));
+    }
   }
 
  private:
   const Elements& elements_;
   std::vector<TetStiffness> of_tets_;
+  struct OfDomain {  // of smoothed tetrahedra
+    std::vector<Index> vertices;
+    Eigen::MatrixXd K;
+  };
+  std::vector<OfDomain> of_domains_;
 };
 
 // λ_max is a convex function of the share, so that lines through two of its values meet the bound at too

@@ -154,19 +154,19 @@ TEST_CASE("a face is the nearest wherever it is said to be, also at the lips of 
   BoundaryLayer layer;
   layer.rebuild(surface, world.elements());
   std::mt19937 random(1);
-  const auto beside = [&](const Vec3d& x) -> Vec3d {  // by a few units in the last place
-    Vec3d y = x;
-    for (double& value : y) value += (int(random() % 7) - 3) * 2e-18;
-    return y;
-  };
+  std::uniform_real_distribution<double> share(0.1, 1);
   int known = 0, wrong = 0;
   for (const BoundaryLayer::Tet& tet : layer.tets())
     for (int f : layer.faces_of(tet)) {
-      Vec3d middle = Vec3d::Zero();
-      for (int p : surface.triangles()[std::size_t(f)].points)
-        middle += place_at_rest(world, surface.points()[std::size_t(p)]) / 3;
-      for (int i = 0; i < 4; ++i) {
-        const Vec3d x = beside(middle), y = beside(x);
+      Mat3<double> corners;
+      for (int c = 0; c < 3; ++c)
+        corners.col(c) = place_at_rest(
+            world, surface.points()[std::size_t(surface.triangles()[std::size_t(f)].points[c])]);
+      for (int i = 0; i < 6; ++i) {
+        const Vec3d weights(share(random), share(random), share(random));
+        const Vec3d x = corners * (weights / weights.sum());
+        Vec3d y = x;  // but for the last digit of a coordinate
+        y[i % 3] = std::nextafter(y[i % 3], i % 2 == 0 ? 1 : -1);
         const BoundaryLayer::Nearest nearest = layer.nearest_face(tet, x);
         if (nearest.face < 0 || !((y - x).norm() < nearest.room) || !layer.is_behind(nearest.face, y))
           continue;

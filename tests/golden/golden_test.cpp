@@ -1,7 +1,7 @@
 // Every run gives the bits that are kept in digests.txt, on 1, 2 and 7 threads. They hold on x86-64, whatever
 // instructions the wide kernels use. LOBE_WRITE_GOLDEN=FILE writes the digests of one thread to a file
-// instead; with LOBE_GOLDEN_RUNS="a;b" those of the runs a and b alone, for a processor that is emulated. A run
-// that another world takes over at half time, from a checkpoint, gives the same bits.
+// instead; with LOBE_GOLDEN_RUNS="a;b" those of the runs a and b alone, for a processor that is emulated. A
+// run that another world takes over at half time, from a checkpoint, gives the same bits.
 #include "golden/golden.h"
 
 #include <doctest/doctest.h>

@@ -125,6 +125,19 @@ check(await says('messages', 'Saved'), 'it is saved');
 const saved = JSON.parse(readFileSync(path.join(out, 'bean_one.json')));
 check(saved.materials[0].name === 'spleen' && existsSync(path.join(out, saved.mesh)), 'as a scene with its mesh');
 
+// ---- What holds it: springs under its side, and a pin
+
+await page.selectOption('#springs', {label: 'on soft springs'});
+await page.click('#pin-set');
+const middle = await page.evaluate(() => lobe.stage.project(lobe.stage.target));
+await page.mouse.click(middle.x, middle.y);
+check(await says('pin-count', '1'), 'a click on the organ sets a pin');
+await shot('pin');
+await page.click('#remake');
+check(await opens(5), 'it is made anew');
+const held = await page.evaluate(() => lobe.opener.choices.chosen);
+check(held.springs === 5e4 && held.pins.length === 1 && held.tets === made.tets, 'on springs, with the pin, of the same mesh');
+
 // ---- What cannot be opened is said, and the organ stays
 
 const bad = path.join(folder, 'bad.stl');
@@ -133,7 +146,7 @@ await page.setInputFiles('#open-input', bad);
 check(await says('messages', 'bad.stl was not opened'), 'a file that is none is named');
 await page.setInputFiles('#open-input', path.resolve(scene, '../../README.md'));
 check(await says('messages', 'README.md is of no kind'), 'so is one of another kind');
-check(await page.evaluate(() => lobe.opened === 4 && lobe.status.running), 'and what was there goes on');
+check(await page.evaluate(() => lobe.opened === 5 && lobe.status.running), 'and what was there goes on');
 await end();
 
 // The surface of an ellipsoid of 60 × 40 × 40 mm that is bent, its triangles turned inside.

@@ -17,7 +17,7 @@ test('half the edge has eight times the tetrahedra and takes sixteen times as lo
 });
 
 test('errors are those that were measured, and fall as the mesh gets finer', () => {
-  assert.ok(Math.abs(error(10299) - 0.0746) < 1e-9);
-  assert.ok(Math.abs(error(2103) - 0.121) < 1e-9);
-  assert.ok(error(80000) < 0.05 && error(80000) > 0.03);
+  assert.ok(Math.abs(error(10299) - 0.0117) < 1e-9);
+  assert.ok(Math.abs(error(2103) - 0.0163) < 1e-9);
+  assert.ok(error(80000) < 0.009 && error(80000) > 0.006);
 });

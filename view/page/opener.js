@@ -232,7 +232,7 @@ export class Opener {
     element('edge-length').textContent = `${(1e3 * edge).toPrecision(2)} mm`;
     const figures = [`${Math.round(Number(tets.toPrecision(3))).toLocaleString('en')} tetrahedra`];
     if (this.now.possible > 0) figures.push(`${speed(this.now, tets).toPrecision(2)} × real time`);
-    figures.push(`error about ${Math.round(100 * error(tets))} %`);
+    figures.push(`error about ${(100 * error(tets)).toPrecision(2)} %`);
     element('edge-figures').textContent = figures.join(', ');
     const isUnknown = ['tissue', 'hold'].some(id => element(id).value === ''),
       changes = this.changes(),
@@ -260,7 +260,8 @@ export class Opener {
   /** How far the mesh is from the truth of its own body, as `lobe check --total-error --json` has it. */
   showErrors(errors) {
     const percent = ({relative_l2: share}) => `${(100 * share).toPrecision(2)} %`;
-    const inWords = ({gesture, trouble, element: mesh, held, total}) => {
+    const inWords = ({gesture: name, trouble, element: mesh, held, total}) => {
+      const gesture = name.charAt(0).toUpperCase() + name.slice(1);
       if (trouble) return `${gesture}: ${trouble}`;
       if (!total) return `${gesture}: off by ${percent(mesh)}`;
       return `${gesture}: off by ${percent(total)} (${percent(mesh)} by the mesh, ${percent(held)} by what is held)`;

@@ -1,4 +1,4 @@
-"""Fits λ and μ to forces that were measured at a beam's end in three pulls, here made by lobe with 1 % of noise.
+"""Fits λ and μ to forces that were measured at a short block's end in three pulls, here made by lobe with 1 % of noise.
 
     PYTHONPATH=build/python /usr/bin/python3 examples/python/04_fit_material.py
 """
@@ -7,13 +7,13 @@ import lobe
 import numpy as np
 from scipy.optimize import least_squares
 
-mesh = lobe.box_mesh((0.1, 0.04, 0.04), (5, 2, 2))
-end = np.flatnonzero(mesh.points[:, 0] > 0.099)
-pulls = np.array([[0.01, 0, 0], [0, 0.01, 0], [-0.01, 0, 0]])  # of the end [m]
+mesh = lobe.box_mesh((0.03, 0.06, 0.06), (2, 4, 4))
+end = np.flatnonzero(mesh.points[:, 0] > 0.0299)
+pulls = np.array([[0.003, 0, 0], [0, 0.003, 0], [-0.003, 0, 0]])  # of the end [m]
 
 
 def energy(material, pull):
-    """Of the beam in equilibrium [J]."""
+    """Of the block in equilibrium [J]."""
     return lobe.solve(lobe.Scene({
         "materials": [{"lame_lambda": material[0], "lame_mu": material[1]}],
         "boundary": [

@@ -88,7 +88,7 @@ static class Driver {
       organ.Switch(2, true);
       organ.Advance(4);
       Check(organ.Update(surface) && surface.Topology != topology, "a cautery changes triangles");
-      Check(Array.IndexOf(surface.Cut, (byte)1) >= 0, "some triangles are cut ones");
+      Check(Array.IndexOf(surface.Cut, (byte)2) >= 0, "some triangles are burnt ones");
       Check(surface.Regions.Length * 3 == surface.Indices.Length, "there is a region per triangle");
       organ.Bring(3, "{\"type\": \"probe\", \"shape\": {\"sphere\": {\"radius\": 0.01}}, \"at\": [0, 0, 1]}");
       organ.Advance(2);

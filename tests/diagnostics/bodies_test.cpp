@@ -40,7 +40,18 @@ Setup two_materials(const TetMesh& mesh) {
 }  // namespace
 
 TEST_CASE("energies of bodies add up to those of the world, also after a cut") {
-  World<double> world(two_materials(boxes(0.01)));
+  Setup setup = two_materials(boxes(0.01));
+  SUBCASE("plain") {}
+  SUBCASE("edge-smoothed, one of them with nodal pressure") {
+    for (Elastic& elastic : setup.materials) elastic.element = ElementType::edge_smoothed;
+    setup.materials[1].nodal_pressure = 1;
+    setup.volume_penalty = 1e5;
+  }
+  SUBCASE("one of them edge-smoothed and half linear") {
+    setup.materials[0].element = ElementType::edge_smoothed;
+    for (std::size_t t = 0; t < 40; ++t) setup.region_of[t] = RegionModel::tensor_mass;
+  }
+  World<double> world(setup);
   world.apply(RemoveTets{{0, 5, 200}});
   const Index vertices = world.elements().topology.vertex_count();
   State<double> state = world.state();

@@ -36,9 +36,9 @@ TEST_CASE("materials are read in either form") {
   CHECK(scene.materials[1].lame_lambda == near(1e5, 1e-14));
   CHECK(scene.materials[1].lame_mu == near(2.5e4, 1e-14));
   CHECK(scene.materials[1].density == 1000);
-  CHECK(scene.materials[0].element == ElementType::tetrahedron);
+  CHECK(!scene.materials[0].element);
   CHECK(scene.materials[1].element == ElementType::edge_smoothed);
-  CHECK(scene.materials[0].nodal_pressure == 0);
+  CHECK(!scene.materials[0].nodal_pressure);
   CHECK(scene.materials[1].nodal_pressure == 1);
   CHECK(scene.materials[2].nodal_pressure == 0.5);
   CHECK(scene.materials[1].pointer == "/materials/1");

@@ -1,6 +1,7 @@
 #include "lobe/diagnostics/body_figures.h"
 
 #include "lobe/diagnostics/averaged_pressures.h"
+#include "lobe/region/averages.h"
 #include "lobe/region/energy_density.h"
 
 namespace lobe {
@@ -17,10 +18,24 @@ void add_tet(const Elements& elements, Index tet, const Mat34<double>& u, const 
   to.mass += mass;
   to.volume += elements.share_of(tet) * signed_volume(x);
   to.kinetic += mass / 8 * v.squaredNorm();
-  to.elastic +=
-      shape.volume * energy_density(elements, tet, H, elements.region_of[std::size_t(tet)], pressure);
+  to.elastic += shape.volume *
+                unsmoothed_energy_density(elements, tet, H, elements.region_of[std::size_t(tet)], pressure);
   to.centre += mass / 4 * x.rowwise().sum();
   to.momentum += mass / 4 * v.rowwise().sum();
+}
+
+// A smoothing domain is of one body, as its tetrahedra share an edge.
+void add_domains(const Elements& elements, const Mat3X<double>& u, std::vector<BodyFigures>& figures) {
+  const Averages averages(elements);
+  const std::vector<Mat3<double>> gradients = domain_gradients(averages.edges, u);
+  const std::vector<double> pressures = domain_pressures(averages.edges, averages.edge_pressures, gradients);
+  for (Index e = 0; e < averages.edges.count(); ++e) {
+    const SmoothedEdge& edge = averages.edges[e];
+    if (!(edge.volume > 0)) continue;
+    const Index tet = elements.topology.around(edge.vertices.front()).front();
+    figures[std::size_t(elements.bodies.body_of(tet))].elastic +=
+        edge.volume * energy_density(elements, edge, gradients[e], edge.model, pressures[e]);
+  }
 }
 
 }  // namespace
@@ -37,6 +52,7 @@ std::vector<BodyFigures> body_figures(const Elements& elements, const Mat3X<doub
     add_tet(elements, t, u(Eigen::all, corners), v(Eigen::all, corners), pressures[std::size_t(t)],
             figures[std::size_t(elements.bodies.body_of(t))]);
   }
+  if (any_smoothed(elements.materials)) add_domains(elements, u, figures);
   for (BodyFigures& body : figures)
     if (body.mass > 0) body.centre /= body.mass;
   return figures;

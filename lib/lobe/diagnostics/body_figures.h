@@ -20,8 +20,8 @@ struct BodyFigures {
 };
 
 // One entry per body, none where the mesh is one body. The elastic energies add up to that of the world, but
-// for edge-smoothed elements, what follows a lattice, and pre-computed regions that are corotated,
-// relinearised or expanded: there they are those of plain tetrahedra.
+// for what follows a lattice, and pre-computed regions that are corotated, relinearised or expanded: there
+// they are those of the tetrahedra's models.
 // O(#tets).
 std::vector<BodyFigures> body_figures(const Elements& elements,
                                       const Mat3X<double>& u,   // 3 × #vertices [m]

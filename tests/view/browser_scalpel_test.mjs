@@ -127,10 +127,10 @@ for (const [name, from, length] of [
     await page.mouse.up();
   }
 
-
 // Before it cuts, the page shows how deep it would; keys and the slider change that.
 const place = {x, y: first + 0.4 * (bottom - top)};
 await page.keyboard.press('r');
+await until(page, () => lobe.organ.cutCount === 0 && lobe.status.time < 3);
 await page.keyboard.press('x');
 await page.mouse.move(place.x + 30, place.y);
 const depthBefore = await page.textContent('#depth');

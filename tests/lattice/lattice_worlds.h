@@ -40,6 +40,13 @@ inline std::vector<Index> vertices_near(const TetMesh& mesh, const Vec3d& at, do
   return found;
 }
 
+inline std::vector<Index> tets_near(const TetMesh& mesh, const Vec3d& at, double radius) {
+  std::vector<Index> found;
+  for (Index t = 0; t < mesh.tet_count(); ++t)
+    if ((barycentre(mesh, t) - at).norm() < radius) found.push_back(t);
+  return found;
+}
+
 // Pulled at its end and let go.
 inline Setup pulled_bar(RegionModel model = RegionModel::reduced) {
   Setup setup = bar(16, 4, true, model);

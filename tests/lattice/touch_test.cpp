@@ -1,6 +1,7 @@
 // Forces, probes and obstacles on reduced regions.
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "folder.h"
@@ -111,6 +112,28 @@ TEST_CASE("a reduced bar that a probe presses has the same bits on any threads a
     CHECK(same_bits(world, restored));
     three = std::move(restored);
   }
+}
+
+TEST_CASE("a reduced bar that is restored and edited at once knows what was pressed in the last frame") {
+  const Setup setup = pressed_bar();
+  World<float> world(setup);
+  const std::vector<Index> at_end = tets_near(setup.mesh, {0.02, 0.02, 0.02}, 0.012);
+  std::size_t pressed = 0;
+  for (int i = 0; i < 25; ++i) {
+    REQUIRE(world.advance(0.02).ok);
+    if (i < 10) continue;
+    World<float> restored(setup);
+    restored.restore(world.save());
+    for (World<float>* each : {&world, &restored}) each->apply(RemoveTets{{at_end.at(std::size_t(i - 10))}});
+    const FullZones::State zones = world.save().nodes.zones, others = restored.save().nodes.zones;
+    CHECK(zones.touched == others.touched);
+    CHECK(zones.until == others.until);
+    pressed = std::max(pressed, zones.touched.size());
+    restored.advance(0.004);
+    world.advance(0.004);
+    CHECK(same_bits(world, restored));
+  }
+  CHECK(pressed > 4);
 }
 
 TEST_CASE("a reduced bar that is swung against an obstacle does not pass through it, and no force is lost") {

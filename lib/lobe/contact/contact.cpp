@@ -152,7 +152,7 @@ bool Contact<Real>::see_tools(std::span<const ToolBody> bodies, double time) {
   return there_ != there_before_;
 }
 
-// Searched with room for the whole frame, so that acts_on() is known before its steps.
+// Searched with room for the whole frame, so that look_ahead() finds all that may be touched in it.
 template <class Real>
 void Contact<Real>::see_body(const BodyView& now, const At& at) {
   if (surface_.is_outdated(now)) {
@@ -165,12 +165,12 @@ void Contact<Real>::see_body(const BodyView& now, const At& at) {
   for (ToolContact& tool : tools_)
     if (tool.is_outdated(until, body_moved_)) search(tool, at, tool.moves_until(at.time, until));
   for (ToolContact& tool : tools_) tool.look_ahead(until);
-  find_touched(at, until);
 }
 
 // By where things are now, whenever they were searched, so that a restored world wakes and expands the same.
 template <class Real>
-void Contact<Real>::find_touched(const At& at, double until) {
+void Contact<Real>::look_ahead(const At& at) {
+  const double until = end_of_frame(at.time);
   touched_.clear();
   const auto take = [&](int triangle) {
     for (int p : surface_.triangles()[std::size_t(triangle)].points) {
@@ -317,6 +317,7 @@ template <class Real>
 std::string Contact<Real>::save() const {
   io::ByteWriter out;
   out.put(last_step_);
+  io::put(out, touched_);
   io::put(out, self_ ? self_->memory().remembered() : Remembered());
   out.put(std::uint64_t(tools_.size()));
   for (const ToolContact& tool : tools_) {
@@ -327,10 +328,14 @@ std::string Contact<Real>::save() const {
 }
 
 template <class Real>
-void Contact<Real>::load(const std::string& saved, Index) {
+void Contact<Real>::load(const std::string& saved, Index vertices) {
   io::ByteReader in("checkpoint", saved);
   const auto last_step = in.get<double>();
   in.expect(last_step >= 0 && std::isfinite(last_step));
+  std::vector<Index> touched;
+  io::get(in, touched);
+  in.expect(std::is_sorted(touched.begin(), touched.end()) &&
+            (touched.empty() || (touched.front() >= 0 && touched.back() < vertices)));
   Remembered of_self;
   io::get(in, of_self);
   std::vector<OfTool> found(in.get_count(1));
@@ -341,6 +346,7 @@ void Contact<Real>::load(const std::string& saved, Index) {
   in.expect_end();
   waiting_ = std::move(found);
   last_step_ = last_step;
+  touched_ = std::move(touched);
   if (self_) self_->memory().set(of_self);
   std::erase_if(tools_, [](const ToolContact& contact) { return !contact.is_obstacle(); });
   for (ToolContact& tool : tools_)

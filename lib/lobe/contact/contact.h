@@ -44,6 +44,7 @@ class Contact : public ForceTerm<Real> {
   bool needs_body() const override { return true; }
   bool see_tools(std::span<const ToolBody> bodies, double time) override;
   void see_body(const BodyView& now, const At& at) override;
+  void look_ahead(const At& at) override;
   void begin_frame(double time, double duration) override {
     frame_begin_ = time;
     frame_end_ = time + duration;
@@ -69,7 +70,6 @@ class Contact : public ForceTerm<Real> {
   void forget_all();                   // forgets all lists of what may touch
   void forget_if_replaced(const At& at);
   void search(ToolContact& tool, const At& at, double ahead);
-  void find_touched(const At& at, double until);
   void scatter(const ToolContact& tool, Mat3X<Real>& f) const;
   template <class Visit>
   void visit_self(const At& at, Visit&& visit);
@@ -85,7 +85,7 @@ class Contact : public ForceTerm<Real> {
   std::unique_ptr<SelfContact> self_;  // null if the body does not touch itself
   std::vector<OfTool> waiting_;
   std::vector<OnTool> on_tools_;
-  std::vector<Index> touched_;             // vertices that may be touched in this frame
+  std::vector<Index> touched_;             // vertices that may be touched in this frame, sorted
   std::vector<int> there_, there_before_;  // tools, when see_tools() was called last
   // Of the frame that time is in, or of another one if time was set [s].
   double frame_begin_ = 0, frame_end_ = 0;

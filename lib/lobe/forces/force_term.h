@@ -89,6 +89,9 @@ class ForceTerm {
   // see_tools() returns whether other tools touch at this time than before.
   virtual bool see_tools(std::span<const ToolBody>, double /*time*/) { return false; }
   virtual void see_body(const BodyView&, const At&) {}
+  // After see_body(), before the steps of a frame: finds what acts_on() says until the next frame. That is
+  // part of save(), as edits between two frames ask for it.
+  virtual void look_ahead(const At&) {}
   // The forces of the last evaluation on tools.
   virtual std::span<const OnTool> on_tools() const { return {}; }
 

@@ -77,9 +77,12 @@ void Organ<Real>::show_body() {
     ForceTerm<Real>& term = *body_.terms[i];
     if (!term.needs_body()) continue;
     show_body_to(term);
+    term.look_ahead(body_.here());
     if (body_.sleep.any()) body_.sleep.wake(term.wakes(body_.model), body_);
     if (!body_.regions.heeds_touch()) continue;
-    if (grant({Moment::tool_touches, {}, term.acts_on(body_.model)})) show_body_to(term);
+    if (!grant({Moment::tool_touches, {}, term.acts_on(body_.model)})) continue;
+    show_body_to(term);
+    term.look_ahead(body_.here());
   }
 }
 

@@ -154,6 +154,16 @@ class Tester:
         lists = self.root.glob("*/**/CMakeLists.txt")
         return any(re.search(rf"add_executable\({re.escape(name)}\b", file.read_text(encoding="utf-8")) for file in lists)
 
+    def check_script(self, place, words):
+        """A script of the project is there and names its arguments."""
+        script = self.root / words[0]
+        text = script.read_text(encoding="utf-8") if script.is_file() else ""
+        for word in words[1:]:
+            if not re.search(rf"\b{re.escape(word)}\b", text):
+                self.fault(place, f'{words[0]} does not name "{word}"')
+        if not text:
+            self.fault(place, f"{words[0]} is not there")
+
     def check_options(self, place, code):
         for command in code.replace("\\\n", " ").splitlines():
             words = command.replace("build/bin/", "").split("#")[0].split()
@@ -164,6 +174,9 @@ class Tester:
             if words[0] == "./dev":
                 if f"  {words[1]})" not in (self.root / "dev").read_text(encoding="utf-8"):
                     self.fault(place, f'./dev has no "{words[1]}"')
+                continue
+            if words[0].endswith(".sh"):
+                self.check_script(place, words)
                 continue
             if words[0] in ("apt", "cmake", "ctest", "cd", "git", "mpirun", "node", "ssh", "/usr/bin/python3"):
                 continue

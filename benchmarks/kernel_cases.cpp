@@ -120,6 +120,12 @@ void add_smoothed(std::vector<Kernel>& kernels, const SpecimenPointer& specimen,
   add("svk_smoothed_pressure", specimen->svk_smoothed_pressure);
 }
 
+std::array<Vec3d, 2> holzapfel_families() {
+  const Vec3d plane(holzapfel_plane.data()), m = fibre_direction, n = (plane - plane.dot(m) * m).normalized();
+  const double c = std::cos(holzapfel_angle), s = std::sin(holzapfel_angle);
+  return {c * m + s * n, c * m - s * n};
+}
+
 template <class Real>
 void add_other_laws(std::vector<Kernel>& kernels, const SpecimenPointer& specimen,
                     const std::vector<int>& threads) {
@@ -142,6 +148,20 @@ void add_other_laws(std::vector<Kernel>& kernels, const SpecimenPointer& specime
   const auto yeoh = std::make_shared<NonlinearRegion<Real>>();
   yeoh->follow(elements, edit);
   add_region<Real>(kernels, "yeoh", specimen, threads, yeoh, block_bytes<Real>, specimen->yeoh);
+  elements.materials[0].law = MaterialLaw::mooney_rivlin;
+  elements.materials[0].further = {mooney_c01, 0};
+  const auto mooney_rivlin = std::make_shared<NonlinearRegion<Real>>();
+  mooney_rivlin->follow(elements, edit);
+  add_region<Real>(kernels, "mooney_rivlin", specimen, threads, mooney_rivlin, block_bytes<Real>,
+                   specimen->mooney_rivlin);
+  elements.materials[0].law = MaterialLaw::holzapfel;
+  elements.materials[0].further = holzapfel_constants;
+  elements.materials[0].fibre_angle = holzapfel_angle;
+  elements.materials[0].fibre_plane = holzapfel_plane;
+  const auto holzapfel = std::make_shared<NonlinearRegion<Real>>();
+  holzapfel->follow(elements, edit);
+  add_region<Real>(kernels, "holzapfel", specimen, threads, holzapfel, block_bytes<Real> + 3 * sizeof(Real),
+                   specimen->holzapfel);
 }
 
 template <class Real>
@@ -297,7 +317,7 @@ Specimen::Specimen(std::string mesh_name, const Setup& body) : mesh(std::move(me
   setup.ramp = 0;  // held where the displacement has them
   reference = reference_tets(setup);
   svk = linear = svk_nodal_pressure = svk_smoothed = svk_smoothed_pressure = neo_hookean = yeoh =
-      corotational = Mat3X<double>::Zero(3, n);
+      mooney_rivlin = holzapfel = corotational = Mat3X<double>::Zero(3, n);
   add_reference_forces(reference, u, svk);
   add_reference_linear_forces(reference, u, linear);
   add_reference_nodal_pressure_forces(reference, u, svk_nodal_pressure);
@@ -313,6 +333,8 @@ Specimen::Specimen(std::string mesh_name, const Setup& body) : mesh(std::move(me
   add_reference_fibre_forces(reference, u, fibre_moduli, fibre_direction, svk_fibre);
   add_reference_neo_hookean_forces(reference, u, neo_hookean);
   add_reference_yeoh_forces(reference, u, yeoh_moduli, yeoh);
+  add_reference_mooney_rivlin_forces(reference, u, mooney_c01, mooney_rivlin);
+  add_reference_holzapfel_forces(reference, u, holzapfel_constants, holzapfel_families(), holzapfel);
   add_reference_corotational_forces(reference, u, corotational);
 }
 

@@ -38,8 +38,8 @@ struct Specimen {
   std::vector<ReferenceTet> reference;
   // Forces by the reference kernel [N]; `linear_smoothed` and `corotational_smoothed` by the solvers.
   Mat3X<double> svk, linear, linear_smoothed, svk_volume, svk_nodal_pressure, svk_smoothed,
-      svk_smoothed_volume, svk_smoothed_pressure, svk_fibre, neo_hookean, yeoh, corotational,
-      corotational_smoothed;
+      svk_smoothed_volume, svk_smoothed_pressure, svk_fibre, neo_hookean, yeoh, mooney_rivlin, holzapfel,
+      corotational, corotational_smoothed;
 };
 
 // Of svk_fibre: one direction everywhere.
@@ -47,7 +47,12 @@ inline constexpr FibreModuli<double> fibre_moduli{3e3, 8e3, 5e4};
 inline const Vec3d fibre_direction = Vec3d(1, 2, 2) / 3;
 
 inline constexpr std::array<double, 2> yeoh_moduli{2e3, 1e3};  // c₂, c₃ [Pa]
-inline constexpr double volume_penalty = 1e5;                  // κ of svk_volume [Pa]
+inline constexpr double mooney_c01 = 2e3;                      // [Pa]
+// Of holzapfel: k₁ [Pa], k₂; the angle of both families [rad] to fibre_direction; a vector of their plane.
+inline constexpr std::array<double, 2> holzapfel_constants{2e4, 2};
+inline constexpr double holzapfel_angle = 0.6;
+inline constexpr std::array<double, 3> holzapfel_plane{0, 1, -1};
+inline constexpr double volume_penalty = 1e5;  // κ of svk_volume [Pa]
 
 struct Kernel {
   std::string name;

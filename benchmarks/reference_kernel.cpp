@@ -177,6 +177,35 @@ void add_reference_yeoh_forces(const std::vector<ReferenceTet>& tets, const Mat3
   }
 }
 
+void add_reference_mooney_rivlin_forces(const std::vector<ReferenceTet>& tets, const Mat3X<double>& u,
+                                        double c01, Mat3X<double>& f) {
+  for (const ReferenceTet& tet : tets) {
+    const Mat3<double> F = deformation(tet, u), inverse = F.inverse().transpose(), C = F.transpose() * F;
+    const double J = F.determinant(), phi = std::pow(J, -2.0 / 3), I1 = C.trace(),
+                 I2 = (I1 * I1 - C.squaredNorm()) / 2, K = tet.lambda + 2 * tet.mu / 3;
+    const Mat3<double> P = (tet.mu - 2 * c01) * phi * (F - I1 / 3 * inverse) +
+                           2 * c01 * phi * phi * (I1 * F - F * C - 2 * I2 / 3 * inverse) +
+                           K * (J - 1) * J * inverse;
+    const Mat34<double> g = tet.V * P * tet.alpha;
+    for (int j = 0; j < 4; ++j) f.col(tet.corners[j]) -= g.col(j);
+  }
+}
+
+void add_reference_holzapfel_forces(const std::vector<ReferenceTet>& tets, const Mat3X<double>& u,
+                                    const std::array<double, 2>& k, const std::array<Vec3d, 2>& families,
+                                    Mat3X<double>& f) {
+  add_reference_mooney_rivlin_forces(tets, u, 0, f);
+  for (const ReferenceTet& tet : tets) {
+    const Mat3<double> F = deformation(tet, u);
+    for (const Vec3d& a : families) {
+      const double E = std::max((F * a).squaredNorm() - 1, 0.0);
+      const Mat3<double> P = 2 * k[0] * E * std::exp(k[1] * E * E) * F * a * a.transpose();
+      const Mat34<double> g = tet.V * P * tet.alpha;
+      for (int j = 0; j < 4; ++j) f.col(tet.corners[j]) -= g.col(j);
+    }
+  }
+}
+
 void add_reference_corotational_forces(const std::vector<ReferenceTet>& tets, const Mat3X<double>& u,
                                        Mat3X<double>& f) {
   for (const ReferenceTet& tet : tets) {

@@ -60,6 +60,14 @@ void add_reference_neo_hookean_forces(const std::vector<ReferenceTet>& tets, con
 // Yeoh's: P = 2w′ J^(−2/3) (F − I₁/3 F⁻ᵀ) + K (J − 1) J F⁻ᵀ, w′ = μ/2 + 2c₂ q + 3c₃ q². Only to check.
 void add_reference_yeoh_forces(const std::vector<ReferenceTet>& tets, const Mat3X<double>& u,
                                const std::array<double, 2>& c, Mat3X<double>& f);
+// Mooney and Rivlin's: P = 2c₁₀ J^(−2/3) (F − I₁/3 F⁻ᵀ) + 2c₀₁ J^(−4/3) (I₁ F − F C − 2I₂/3 F⁻ᵀ)
+// + K (J − 1) J F⁻ᵀ. Holzapfel's, of both families a: the first and last of these with c₁₀ = μ/2, and
+// 2k₁ E exp(k₂ E²) F a⊗a, E = max(|F a|² − 1, 0). Only to check.
+void add_reference_mooney_rivlin_forces(const std::vector<ReferenceTet>& tets, const Mat3X<double>& u,
+                                        double c01, Mat3X<double>& f);
+void add_reference_holzapfel_forces(const std::vector<ReferenceTet>& tets, const Mat3X<double>& u,
+                                    const std::array<double, 2>& k, const std::array<Vec3d, 2>& families,
+                                    Mat3X<double>& f);
 // Corotational: P = 2μ (F − R) + λ tr(RᵀF − I) R, R from a singular value decomposition. Only to check.
 void add_reference_corotational_forces(const std::vector<ReferenceTet>& tets, const Mat3X<double>& u,
                                        Mat3X<double>& f);

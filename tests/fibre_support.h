@@ -1,4 +1,4 @@
-// Bodies with fibres, and of a neo-Hookean material and of Yeoh's.
+// Bodies with fibres, and of the laws that scenes may ask for in place of St Venant-Kirchhoff.
 #pragma once
 
 #include <cmath>
@@ -40,6 +40,23 @@ inline Setup yeoh_setup(const TetMesh& mesh) {
   Setup setup = setup_of(mesh);
   setup.materials[0].law = MaterialLaw::yeoh;
   setup.materials[0].further = {-2e3, 9e3};
+  return setup;
+}
+
+inline Setup mooney_rivlin_setup(const TetMesh& mesh) {
+  Setup setup = setup_of(mesh);
+  setup.materials[0].law = MaterialLaw::mooney_rivlin;
+  setup.materials[0].further = {3e3, 0};
+  return setup;
+}
+
+inline Setup holzapfel_setup(const TetMesh& mesh) {
+  Setup setup = fibrous_setup(mesh);
+  setup.materials = {seed_material};
+  setup.materials[0].law = MaterialLaw::holzapfel;
+  setup.materials[0].further = {2e4, 1.5};
+  setup.materials[0].fibre_angle = 0.6;
+  setup.materials[0].fibre_plane = {-1, 0.3, 2};
   return setup;
 }
 

@@ -37,8 +37,8 @@
 //   rest position: where a vertex is without loads [m].
 //   displacement: present position less rest position [m].
 //   region: a part of a body that is computed by one model; several regions may have the same model.
-//   non-linear region: a region of tetrahedra of a non-linear law (St Venant-Kirchhoff, neo-Hookean, Yeoh),
-//     for large displacements and rotations.
+//   non-linear region: a region of tetrahedra of a non-linear law (St Venant-Kirchhoff, neo-Hookean, Yeoh,
+//     Mooney-Rivlin, Holzapfel), for large displacements and rotations.
 //   linear region: a tensor-mass or a pre-computed region; right for small strains with little rotation, or
 //     with a corotated frame also where it turns as a whole.
 //   tensor-mass region: a linear region that moves with its own inertia; not the paper's non-linear

@@ -25,6 +25,8 @@ std::vector<Terms> all_combinations() {
                           {.fibre = true},
                           {.solid = MaterialLaw::neo_hookean},
                           {.solid = MaterialLaw::yeoh},
+                          {.solid = MaterialLaw::mooney_rivlin},
+                          {.solid = MaterialLaw::holzapfel},
                           {.solid = MaterialLaw::corotational}};
   std::vector<Terms> all;
   for (Terms terms : solids)
@@ -67,7 +69,8 @@ Law<double> law_at(const Terms& terms, const Mat3<double>& H) {
           .terms = terms,
           .fibre = fibre_moduli,
           .direction = fibre_direction(),
-          .further = {-2e3, 6e3}};
+          .further = {terms.solid == MaterialLaw::yeoh ? -2e3 : 3e3, 6e3},
+          .families = {.stiffening = 2, .most = 0.7, .along = 0.8, .aside = 0.6, .plane = {0.2, 3, -1}}};
 }
 
 // Stretched, where the guard is silent; at det F = 0.61, in the guard's first branch; inverted, in its

@@ -85,8 +85,9 @@ TEST_CASE("every instruction set gives the same bits with fibres and of every ot
   fibrous.materials[0].fibre = {3e3, 8e3, 5e4};
   fibrous.mesh.fibres = random_displacement(fibrous.mesh.tet_count(), 1).colwise().normalized();
   neo.materials[0].law = MaterialLaw::neo_hookean;
+  const Setup mooney = mooney_rivlin_setup(irregular_box(3)), holzapfel = holzapfel_setup(irregular_box(3));
   for (const auto& [kappa, below] : {std::pair{0.0, 0.0}, {0.0, 0.8}, {1e5, 0.0}, {1e5, 0.8}}) {
-    for (Setup setup : {fibrous, neo, yeoh, averaged(fibrous)}) {
+    for (Setup setup : {fibrous, neo, yeoh, mooney, holzapfel, averaged(fibrous)}) {
       setup.volume_penalty = kappa;
       setup.guard_below = below;
       check_nonlinear<float>(setup);
@@ -105,7 +106,10 @@ TEST_CASE(
   setup.volume_penalty = 1e5;
   Setup guarded = setup;
   guarded.guard_below = 0.8;
-  for (const Setup& each : {setup, guarded, fibrous, neo, yeoh, averaged(setup), averaged(fibrous)}) {
+  const Setup mooney = smoothed(mooney_rivlin_setup(irregular_box(3))),
+              holzapfel = smoothed(holzapfel_setup(irregular_box(3)));
+  for (const Setup& each : {setup, guarded, fibrous, neo, yeoh, mooney, holzapfel, averaged(setup),
+                            averaged(fibrous)}) {
     check_nonlinear<float>(each);
     check_nonlinear<double>(each);
   }

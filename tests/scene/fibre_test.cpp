@@ -1,9 +1,10 @@
-// Materials with fibres and neo-Hookean ones in a scene, on a bar of 0.4 × 0.1 × 0.1 m.
+// Materials with fibres and of all laws in a scene, on a bar of 0.4 × 0.1 × 0.1 m.
 #include <doctest/doctest.h>
 
 #include <filesystem>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <numbers>
 
 #include "folder.h"
 #include "lobe/error.h"
@@ -30,6 +31,12 @@ json fibrous(const std::string& fibre, const std::string& patch = "{}") {
   material["fibre"] = json::parse(fibre);
   material.update(json::parse(patch));
   return material;
+}
+
+// Two families of fibres at 30 degrees to the bar.
+json artery() {
+  return json::parse(R"({"lame_lambda": 4e4, "lame_mu": 1e4, "law": "holzapfel", "holzapfel_k1": 2e3,
+    "holzapfel_k2": 0.8, "holzapfel_angle": 30, "holzapfel_plane": [0, 1, 0], "fibre": {"direction": [1, 0, 0]}})");
 }
 
 Scene scene_of(const json& material) {
@@ -120,6 +127,17 @@ TEST_CASE("a written scene is read as the same one") {
   CHECK(to_json(parse_scene(neo)) == neo);
   const std::string yeoh = to_json(scene_of(
       {{"lame_lambda", 4e4}, {"lame_mu", 1e4}, {"law", "yeoh"}, {"yeoh_c2", 1500}, {"yeoh_c3", 800}}));
+  const std::string mooney = to_json(
+      scene_of({{"lame_lambda", 4e4}, {"lame_mu", 1e4}, {"law", "mooney-rivlin"}, {"mooney_c01", 2e3}}));
+  CHECK(parse_scene(mooney).materials.at(0).further[0] == 2e3);
+  CHECK(to_json(parse_scene(mooney)) == mooney);
+  const std::string holzapfel = to_json(scene_of(artery()));
+  const Elastic wall = elastic_of(parse_scene(holzapfel).materials.at(0));
+  CHECK(wall.law == MaterialLaw::holzapfel);
+  CHECK(wall.further == std::array<double, 2>{2e3, 0.8});
+  CHECK(wall.fibre_angle == near(std::numbers::pi / 6, 1e-15));
+  CHECK(wall.fibre_plane == std::array<double, 3>{0, 1, 0});
+  CHECK(to_json(parse_scene(holzapfel)) == holzapfel);
   const Scene again = parse_scene(yeoh);
   CHECK(again.materials.at(0).law == MaterialLaw::yeoh);
   CHECK(again.materials.at(0).further == std::array<double, 2>{1500, 800});
@@ -136,6 +154,36 @@ TEST_CASE("moduli that are not those of the law, or make no solid, are named") {
       "/materials/0/yeoh_c2: is a modulus of \"law\": \"yeoh\", but the law is \"neo-hookean\"");
   material = {{"lame_lambda", 4e4}, {"lame_mu", 1e4}, {"law", "yeoh"}, {"yeoh_c2", -1500}};
   has(fault_of(material), "yeoh_c2");
+  material = {{"lame_lambda", 4e4}, {"lame_mu", 1e4}, {"law", "mooney-rivlin"}, {"mooney_c01", 6e3}};
+  has(fault_of(material), "mooney_c01 must be at least 0 and at most lame_mu / 2");
+}
+
+TEST_CASE("what is wrong with both families of fibres of a law is named") {
+  const auto has = [](const std::string& text, const std::string& part) {
+    CAPTURE(text);
+    CHECK(text.find(part) != std::string::npos);
+  };
+  const auto without = [](const char* key) {
+    json material = artery();
+    material.erase(key);
+    return fault_of(material);
+  };
+  const auto with = [](const char* key, const json& value) {
+    json material = artery();
+    material[key] = value;
+    return fault_of(material);
+  };
+  CHECK(fault_of(artery()) == "");
+  has(without("fibre"), "/materials/0/fibre: is missing");
+  has(without("holzapfel_plane"), "holzapfel_plane is missing");
+  has(without("holzapfel_k1"), "holzapfel_k1 must be above 0");
+  has(with("holzapfel_angle", 91), "/materials/0/holzapfel_angle: 91, must be at most 90");
+  has(with("holzapfel_plane", {2, 0, 0}), "has its direction along fibre_plane");
+  has(with("law", "svk"), "is a modulus of \"law\": \"holzapfel\"");
+  json plain = {{"lame_lambda", 4e4}, {"lame_mu", 1e4}, {"holzapfel_angle", 30}};
+  has(fault_of(plain), "/materials/0/holzapfel_angle: is of \"law\": \"holzapfel\" alone");
+  plain = {{"lame_lambda", 4e4}, {"lame_mu", 1e4}, {"fibre", {{"direction", {1, 0, 0}}}}};
+  has(fault_of(plain), "/materials/0/fibre: needs constants along and across fibres");
 }
 
 TEST_CASE("what is wrong with fibres is named with its place") {

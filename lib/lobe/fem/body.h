@@ -43,10 +43,13 @@ struct Elastic {
   double nodal_pressure = 0;  // χ: share of λ whose pressure is averaged at nodes, 0…1 (nodal_pressure.h)
   MaterialLaw law = MaterialLaw::svk;  // of the non-linear model
   ElementType element = ElementType::tetrahedron;
-  FibreModuli<double> fibre{};      // [Pa], zero: isotropic; λ and μ are then those across the fibre
-  double fracture_energy = 0;       // G_c: work of a blade per area that it opens [J/m²]
-  std::array<double, 2> further{};  // moduli of the law beside λ and μ (law_rows) [Pa]
+  FibreModuli<double> fibre{};          // [Pa], zero: isotropic; λ and μ are then those across the fibre
+  double fracture_energy = 0;           // G_c: work of a blade per area that it opens [J/m²]
+  std::array<double, 2> further{};      // constants of the law beside λ and μ (law_rows)
+  double fibre_angle = 0;               // of both families of a law with fibres, to the direction [rad]
+  std::array<double, 3> fibre_plane{};  // a vector at rest in their plane; not read if the angle is 0
 
+  bool has_direction() const { return fibre.any() || has_families(law); }
   bool is_smoothed() const { return element == ElementType::edge_smoothed; }
   double nodal_lambda() const { return nodal_pressure * lambda; }    // χλ [Pa]
   double element_lambda() const { return lambda - nodal_lambda(); }  // (1 − χ)λ [Pa]
@@ -58,7 +61,8 @@ struct Elastic {
 
   static constexpr auto fields =
       std::tuple(&Elastic::lambda, &Elastic::mu, &Elastic::density, &Elastic::nodal_pressure, &Elastic::law,
-                 &Elastic::element, &Elastic::fibre, &Elastic::fracture_energy, &Elastic::further);
+                 &Elastic::element, &Elastic::fibre, &Elastic::fracture_energy, &Elastic::further,
+                 &Elastic::fibre_angle, &Elastic::fibre_plane);
 };
 
 inline bool any_nodal_pressure(const std::vector<Elastic>& materials) {
@@ -75,7 +79,7 @@ inline bool any_averages(const std::vector<Elastic>& materials) {
 }
 
 inline bool any_fibre(const std::vector<Elastic>& materials) {
-  return std::any_of(materials.begin(), materials.end(), [](const Elastic& e) { return e.fibre.any(); });
+  return std::any_of(materials.begin(), materials.end(), [](const Elastic& e) { return e.has_direction(); });
 }
 inline bool any_other_law(const std::vector<Elastic>& materials) {  // than St Venant-Kirchhoff
   return std::any_of(materials.begin(), materials.end(),

@@ -1,9 +1,9 @@
 // The law of a tetrahedron of the non-linear model: its energy is the sum of a solid's (svk.h, neo_hookean.h,
-// yeoh.h, corotational.h) and of the terms of fibre_term.h, volume_term.h, pressure_term.h and guard.h. All
-// code that evaluates such tetrahedra calls the functions below: wide kernels, energies, the solvers'
-// tangent, the time step, the estimate of linear regions' errors. A new solid is a struct of formulas
-// (solid.h) in `Solids`, and a row in law_moduli.h. The order in which a function sums the terms up decides
-// the last bits of results.
+// yeoh.h, mooney_rivlin.h, holzapfel.h, corotational.h) and of the terms of fibre_term.h, volume_term.h,
+// pressure_term.h and guard.h. All code that evaluates such tetrahedra calls the functions below: wide
+// kernels, energies, the solvers' tangent, the time step, the estimate of linear regions' errors. A new solid
+// is a struct of formulas (solid.h) in `Solids`, and a row in law_moduli.h. The order in which a function
+// sums the terms up decides the last bits of results.
 //
 // Only the given terms are evaluated. If `terms` are constants, as in kernels, the other terms are not even
 // compiled.
@@ -16,8 +16,10 @@
 #include "lobe/fem/corotational.h"
 #include "lobe/fem/fibre_term.h"
 #include "lobe/fem/guard.h"
+#include "lobe/fem/holzapfel.h"
 #include "lobe/fem/hooke.h"
 #include "lobe/fem/law_moduli.h"
+#include "lobe/fem/mooney_rivlin.h"
 #include "lobe/fem/neo_hookean.h"
 #include "lobe/fem/pressure_term.h"
 #include "lobe/fem/solid.h"
@@ -27,7 +29,8 @@
 
 namespace lobe {
 
-using Solids = std::tuple<Svk, NeoHookean, Yeoh, Corotational>;  // in the order of MaterialLaw
+using Solids =
+    std::tuple<Svk, NeoHookean, Yeoh, MooneyRivlin, Holzapfel, Corotational>;  // in the order of MaterialLaw
 static_assert(std::tuple_size_v<Solids> == solid_count);
 
 // Calls visit(solid) with the formulas of a law; not for `none`. Always inline, as are the functions that it

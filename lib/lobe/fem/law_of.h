@@ -1,10 +1,23 @@
 // The law that a material, or a tetrahedron of a body, follows.
 #pragma once
 
+#include <cmath>
+
 #include "lobe/fem/elements.h"
 #include "lobe/fem/law_moduli.h"
 
 namespace lobe {
+
+// Beyond an exponent of 16 the stress of fibres grows linearly.
+inline FibreFamilies<double> fibre_families(const Elastic& elastic) {
+  if (!has_families(elastic.law)) return {};
+  const double k2 = elastic.further[1];
+  return {.stiffening = k2,
+          .most = k2 > 1e-6 ? 4 / std::sqrt(k2) : 4e3,
+          .along = std::cos(elastic.fibre_angle),
+          .aside = std::sin(elastic.fibre_angle),
+          .plane = elastic.fibre_plane};
+}
 
 // The law of corotational tetrahedra of a material: with all of λ, and no other term.
 inline Law<double> corotational_law(const Elastic& elastic) {
@@ -31,7 +44,8 @@ inline Law<double> nonlinear_law(const Elastic& elastic, double volume_penalty, 
                     .guard = guard_below > 0,
                     .fibre = elastic.fibre.any()},
           .fibre = elastic.fibre,
-          .further = elastic.further};
+          .further = elastic.further,
+          .families = fibre_families(elastic)};
 }
 // That of a tetrahedron whose model is not linear.
 inline Law<double> nonlinear_law(const Elements& elements, Index tet, double pressure = 0) {

@@ -4,64 +4,30 @@
 //   P   = 2w′ φ F + (w′ φ′ I₁ + K (J − 1)) cof F,  φ = J^(−2/3)
 // (O. H. Yeoh, Some forms of the strain energy function for rubber, Rubber Chem. Technol. 66, 1993). For
 // small strains it is Hooke's law with the same λ and μ. In simple shear γ the shear stress is 2 w′(γ²) γ.
-//
-// Below J = 1/5 φ is its Taylor polynomial of degree 2 about that point. So the energy is finite, with
-// continuous second derivatives, for every F, inverted ones too.
 #pragma once
 
-#include <algorithm>
 #include <cmath>
 
+#include "lobe/fem/isochoric.h"
 #include "lobe/fem/solid.h"
 #include "lobe/types.h"
 
 namespace lobe {
 
-// J^(−1/3) for J from 1/5 to 1,000, by Halley's iteration from J^(−1/4). It has the same bits for every width
-// of registers.
 template <class T>
-T inverse_cube_root(const T& J) {
-  using std::sqrt;
-  T y = T(1) / sqrt(T(sqrt(J)));
-  for (int i = 0; i < 4; ++i) {
-    const T c = J * y * y * y;
-    y = y * (c + T(2)) / (c + c + T(1));
-  }
-  return y;
-}
-
-template <class T>
-struct YeohState {
-  Mat3<T> beyond;           // cof F − I
-  T v, trace;               // J − 1, I₁ − 3
-  T phi, slope, curvature;  // φ, φ′, φ″
-  T isotropic;              // 2φ + φ′ I₁, free of cancellation
-  T w1, w2;                 // w′, w″ [Pa]
-  T energy;                 // w [Pa]
-  T K;                      // [Pa]
+struct YeohState : IsochoricState<T> {
+  T isotropic;  // 2φ + φ′ I₁
+  T w1, w2;     // w′, w″ [Pa]
+  T energy;     // w [Pa]
 
   LOBE_INLINE YeohState(const Mat3<T>& H, const Law<T>& law)
-      : beyond(cofactor(H) - H.transpose()), v(volume_change(H)) {
-    using std::max;
-    const T linear = H(0, 0) + H(1, 1) + H(2, 2);
-    for (int i = 0; i < 3; ++i) beyond(i, i) += linear;
-    trace = linear + linear + H.cwiseProduct(H).sum();
-    const T v_least = T(0.2f) - T(1), v_root = max(v, v_least), root = T(1) + v_root, below = v - v_root;
-    const T y = inverse_cube_root(root), phi_root = y * y, third = T(1) / (T(3) * root);
-    const T slope_root = -(phi_root + phi_root) * third;
-    curvature = T(-5) * slope_root * third;
-    slope = slope_root + curvature * below;
-    phi = phi_root + below * (slope_root + T(0.5f) * curvature * below);
-    isotropic = (phi_root + phi_root) * (T(3) * v_root - trace) * third +
-                below * (slope_root + slope_root + curvature * below + curvature * (trace + T(3)));
-    const T q = phi * trace + T(3) * (phi - T(1));
+      : IsochoricState<T>(H, law), isotropic(IsochoricState<T>::isotropic(this->trace)) {
+    const T q = this->phi * this->trace + T(3) * (this->phi - T(1));
     const T c2 = law.further[0], c3 = law.further[1];
     energy = q * (T(0.5f) * law.mu + q * (c2 + q * c3));
     w1 = T(0.5f) * law.mu + q * (c2 + c2 + T(3) * c3 * q);
     w2 = c2 + c2 + T(6) * c3 * q;
-    K = law.lambda + law.mu * T(2.0 / 3);
   }
-  T slope_of_trace() const { return slope * (trace + T(3)); }  // φ′ I₁
 };
 
 struct Yeoh {  // solid.h

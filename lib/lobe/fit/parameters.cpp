@@ -29,7 +29,8 @@ void scale(double factor, const Elastic& start, Elastic& material) {
   material.lambda = factor * start.lambda;
   material.mu = factor * start.mu;
   material.fibre = start.fibre.times(factor);
-  for (std::size_t i = 0; i < start.further.size(); ++i) material.further[i] = factor * start.further[i];
+  for (std::size_t i = 0; i < law_rows[std::size_t(start.law)].moduli; ++i)
+    material.further[i] = factor * start.further[i];
 }
 
 struct Kind {

@@ -21,6 +21,8 @@ inline constexpr Terms compiled_terms[] = {{},
                                            {.solid = MaterialLaw::neo_hookean, .volume = true},
                                            {.solid = MaterialLaw::yeoh},
                                            {.solid = MaterialLaw::yeoh, .volume = true},
+                                           {.solid = MaterialLaw::mooney_rivlin, .volume = true},
+                                           {.solid = MaterialLaw::holzapfel, .volume = true},
                                            {.solid = MaterialLaw::corotational},
                                            {.volume = true, .pressure = true}};
 

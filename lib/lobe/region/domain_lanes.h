@@ -64,7 +64,7 @@ Law<T> law_of_domains(const SmoothedArrays<Real>& patch, const Terms& terms, Ind
     };
     law.pressure = (at_end(0) + at_end(1)) * Real(0.5f);
   }
-  if (terms.fibre)
+  if (terms.has_direction())
     for (int i = 0; i < 3; ++i) law.direction[i].copy_from(&patch.fibre_blocks[block].direction[i][first]);
   law.terms = terms;
   return law;

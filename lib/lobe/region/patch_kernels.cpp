@@ -83,7 +83,7 @@ double Patches<Real>::energy(const Mat3X<Real>& u) {
     Law<T> law = patch.law.template as<T>();
     if (nodal_pressure_)
       law.pressure = e.pressure(patch.pressure_blocks[block], slot % width, patch.pressure);
-    if (law.terms.fibre) law.direction = e.direction(patch.fibre_blocks[block], slot % width);
+    if (law.terms.has_direction()) law.direction = e.direction(patch.fibre_blocks[block], slot % width);
     const T W = law_energy_density(law, e.H) * e.V;
     for (int lane = 0; lane < used; ++lane) sum += double(Real(W[lane]));
     return true;

@@ -44,7 +44,7 @@ void Patches<Real>::set_laws(const Elements& elements, RegionModel model) {
   nodal_pressure_ = fibres_ = false;
   for (std::size_t i = 0; i < laws_.size(); ++i) {
     nodal_pressure_ = nodal_pressure_ || (is_averaged(i) && elements.materials[i].nodal_lambda() > 0);
-    fibres_ = fibres_ || laws_[i].terms.fibre;
+    fibres_ = fibres_ || laws_[i].terms.has_direction();
   }
   for (std::size_t i = 0; i < laws_.size(); ++i) {
     laws_[i].terms.pressure = nodal_pressure_ && is_averaged(i);

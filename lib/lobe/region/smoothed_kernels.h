@@ -83,6 +83,8 @@ inline constexpr Terms smoothed_terms[] = {{},
                                            {.pressure = true, .fibre = true},
                                            {.solid = MaterialLaw::neo_hookean},
                                            {.solid = MaterialLaw::yeoh},
+                                           {.solid = MaterialLaw::mooney_rivlin},
+                                           {.solid = MaterialLaw::holzapfel},
                                            {.solid = MaterialLaw::corotational}};
 
 template <class Real>

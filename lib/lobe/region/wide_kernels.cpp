@@ -41,7 +41,8 @@ Law<T> law_of(const PatchArrays<Real>& patch, Index block, int first) {
   law.terms.pressure = terms.pressure;
   if constexpr (terms.pressure)
     law.pressure = ElementLanes<T>::pressure(patch.pressure_blocks[block], first, patch.pressure);
-  if constexpr (terms.fibre) law.direction = ElementLanes<T>::direction(patch.fibre_blocks[block], first);
+  if constexpr (terms.has_direction())
+    law.direction = ElementLanes<T>::direction(patch.fibre_blocks[block], first);
   return law;
 }
 
@@ -126,7 +127,7 @@ LOBE_FLATTEN Real add_stiffness_of(const PatchArrays<Real>& patch, Real* sums) {
   return hmin(smallest);
 }
 
-// Of laws other than St Venant-Kirchhoff, which have neither fibres nor nodal pressure.
+// Of laws other than St Venant-Kirchhoff, whose fibres are their own, and which have no nodal pressure.
 template <class Real, StiffnessPart part, int law = 1 + int(MaterialLaw::svk)>
 Real add_stiffness_of_other(const PatchArrays<Real>& patch, Real* sums) {
   if constexpr (law + 1 < solid_count)

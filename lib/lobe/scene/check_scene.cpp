@@ -106,6 +106,7 @@ class MeaningChecker {
       add(place + "/nodal_pressure",
           "needs lame_lambda of at least 0, not " + exact(lambda) + "; leave it out");
     }
+    if (material.fibre) check_field(material, place);
     check_where(material.where, place);
   }
 
@@ -117,6 +118,10 @@ class MeaningChecker {
       add(place + "/nodal_pressure", "needs a stiffness across of at least its shear's; leave it out");
     check_where(material.where, place);
     if (!material.fibre) return add(place + "/fibre", "is missing: which way the fibres run");
+    check_field(material, place);
+  }
+
+  void check_field(const Material& material, const std::string& place) {
     const std::string at = place + "/fibre";
     if (const auto* constant = std::get_if<FibreDirection>(&*material.fibre)) {
       check_length(constant->direction, at + "/direction");

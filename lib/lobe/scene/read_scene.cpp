@@ -63,7 +63,26 @@ void read_transverse(const json& entry, Material& material) {
   material.transverse = {entry["young_modulus_along"], entry["young_modulus_across"],
                          entry["poisson_ratio_along"], entry["poisson_ratio_across"],
                          entry["shear_modulus_along"]};
-  material.fibre = read_fibre(entry["fibre"]);
+}
+
+void read_families(const json& entry, const std::string& pointer, Material& material) {
+  const bool has_fibres = has_families(material.law);
+  for (const char* key : {"holzapfel_angle", "holzapfel_plane"})
+    if (entry.contains(key) && !has_fibres)
+      throw InputError({{pointer + "/" + key, "is of \"law\": \"holzapfel\" alone"}});
+  if (entry.contains("fibre")) {
+    if (!has_fibres && !entry.contains("young_modulus_along"))
+      throw InputError({{pointer + "/fibre",
+                         "needs constants along and across fibres (young_modulus_along "
+                         "and four more), or \"law\": \"holzapfel\""}});
+    material.fibre = read_fibre(entry["fibre"]);
+  } else if (has_fibres) {
+    throw InputError({{pointer + "/fibre", "is missing: which way the fibres run"}});
+  }
+  read(entry, "holzapfel_angle", material.fibre_angle);
+  if (!entry.contains("holzapfel_plane")) return;
+  const Vec3d plane = read_vector(entry["holzapfel_plane"]);
+  material.fibre_plane = {plane[0], plane[1], plane[2]};
 }
 
 void read_law(const json& entry, const std::string& pointer, Material& material) {
@@ -108,6 +127,7 @@ Material read_material(const json& given, const std::string& pointer) {
     material.element =
         entry["element"] == "edge-smoothed" ? ElementType::edge_smoothed : ElementType::tetrahedron;
   read_law(entry, pointer, material);
+  read_families(entry, pointer, material);
   if (entry.contains("young_modulus_along")) {
     read_transverse(entry, material);
   } else if (entry.contains("young_modulus")) {

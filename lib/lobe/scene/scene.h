@@ -4,6 +4,7 @@
 #include <array>
 #include <filesystem>
 #include <memory>
+#include <numbers>
 #include <optional>
 #include <string>
 #include <variant>
@@ -110,10 +111,12 @@ struct Material {
   double fracture_energy = 0;            // work of a scalpel per area [J/m²]
   std::optional<double> nodal_pressure;  // share of λ whose pressure is averaged at nodes, 0…1
   MaterialLaw law = MaterialLaw::svk;
-  std::array<double, 2> further{};     // moduli of the law (law_rows) [Pa]
-  std::optional<ElementType> element;  // without one, and without nodal_pressure: default_element.h
+  std::array<double, 2> further{};      // constants of the law (law_rows)
+  double fibre_angle = 0;               // of both families of fibres of the law to the direction [degrees]
+  std::array<double, 3> fibre_plane{};  // a vector of their plane
+  std::optional<ElementType> element;   // without one, and without nodal_pressure: default_element.h
   std::optional<TransverseConstants> transverse;  // with fibres, in place of both Lamé coefficients
-  std::optional<FibreField> fibre;                // together with them
+  std::optional<FibreField> fibre;                // together with them, or with such a law
   std::string pointer;
 };
 
@@ -123,6 +126,8 @@ inline Elastic elastic_of(const Material& m) {
   elastic.fracture_energy = m.fracture_energy;
   elastic.element = m.element.value_or(ElementType::tetrahedron);
   elastic.further = m.further;
+  elastic.fibre_angle = m.fibre_angle * std::numbers::pi / 180;
+  elastic.fibre_plane = m.fibre_plane;
   if (m.transverse) set_transverse(*m.transverse, elastic);
   return elastic;
 }

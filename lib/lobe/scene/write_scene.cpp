@@ -109,6 +109,10 @@ ordered_json write(const Material& material) {
   entry["law"] = law.name;
   for (std::size_t i = 0; i < law.keys.size(); ++i)
     if (law.keys[i]) entry[law.keys[i]] = material.further[i];
+  if (has_families(material.law)) {
+    entry["holzapfel_angle"] = material.fibre_angle;
+    if (material.fibre_plane != std::array<double, 3>{}) entry["holzapfel_plane"] = material.fibre_plane;
+  }
   if (material.element)
     entry["element"] = *material.element == ElementType::edge_smoothed ? "edge-smoothed" : "tetrahedron";
   if (material.fibre) entry["fibre"] = std::visit(FibreWriter{}, *material.fibre);

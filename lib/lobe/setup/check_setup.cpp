@@ -13,6 +13,13 @@
 namespace lobe {
 namespace {
 
+// Whether the plane of both families of fibres is known where they have this direction.
+bool spans_plane(const Elastic& elastic, const Vec3d& direction) {
+  if (!has_families(elastic.law) || elastic.fibre_angle == 0) return true;
+  const Vec3d plane = Vec3d(elastic.fibre_plane.data()).stableNormalized();
+  return plane.cross(direction).norm() > 1e-3;
+}
+
 class Checker {
  public:
   explicit Checker(const Setup& setup) : setup_(setup) {}
@@ -111,9 +118,15 @@ void Checker::check_fibres() {
   expect(fibres.cols() == 0 || std::size_t(fibres.cols()) == count,
          "fibres must have one column per tetrahedron, or none");
   for (std::size_t t = 0; t < count && setup_.material_of[t] < setup_.materials.size(); ++t) {
-    if (!setup_.materials[setup_.material_of[t]].fibre.any()) continue;
+    const Elastic& elastic = setup_.materials[setup_.material_of[t]];
+    if (!elastic.has_direction()) continue;
     const bool is_there = t < std::size_t(fibres.cols());
-    if (is_there && std::abs(fibres.col(Eigen::Index(t)).norm() - 1) < 1e-6) continue;
+    if (is_there && std::abs(fibres.col(Eigen::Index(t)).norm() - 1) < 1e-6) {
+      if (spans_plane(elastic, fibres.col(Eigen::Index(t)))) continue;
+      return expect(false, "tetrahedron " + std::to_string(t) +
+                               " has its direction along fibre_plane, which is to be another vector of the "
+                               "plane of both families");
+    }
     return expect(false, "tetrahedron " + std::to_string(t) +
                              " is of a material with fibres, but its direction is " +
                              (is_there ? "no unit vector" : "missing: set mesh.fibres"));

@@ -87,7 +87,8 @@ TEST_CASE("every instruction set gives the same bits with fibres and of every ot
   neo.materials[0].law = MaterialLaw::neo_hookean;
   const Setup mooney = mooney_rivlin_setup(irregular_box(3)), holzapfel = holzapfel_setup(irregular_box(3));
   for (const auto& [kappa, below] : {std::pair{0.0, 0.0}, {0.0, 0.8}, {1e5, 0.0}, {1e5, 0.8}}) {
-    for (Setup setup : {fibrous, neo, yeoh, mooney, holzapfel, averaged(fibrous)}) {
+    for (Setup setup :
+         {fibrous, neo, yeoh, mooney, holzapfel, averaged(fibrous), averaged(neo), averaged(holzapfel)}) {
       setup.volume_penalty = kappa;
       setup.guard_below = below;
       check_nonlinear<float>(setup);
@@ -109,7 +110,7 @@ TEST_CASE(
   const Setup mooney = smoothed(mooney_rivlin_setup(irregular_box(3))),
               holzapfel = smoothed(holzapfel_setup(irregular_box(3)));
   for (const Setup& each : {setup, guarded, fibrous, neo, yeoh, mooney, holzapfel, averaged(setup),
-                            averaged(fibrous)}) {
+                            averaged(fibrous), averaged(neo), averaged(holzapfel)}) {
     check_nonlinear<float>(each);
     check_nonlinear<double>(each);
   }

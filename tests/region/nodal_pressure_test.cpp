@@ -6,11 +6,16 @@
 #include <map>
 #include <numeric>
 
+#include "fibre_support.h"
+#include "lobe/fem/law.h"
+#include "lobe/fem/law_of.h"
 #include "lobe/fem/svk.h"
 #include "lobe/region/nonlinear.h"
 #include "lobe/scene/material_constants.h"
 #include "lobe/scene/select.h"
 #include "lobe/sim/rebuild.h"
+#include "lobe/solve/static_solver.h"
+#include "lobe/solve/tangent.h"
 #include "near.h"
 #include "support.h"
 #include "world_support.h"
@@ -56,6 +61,48 @@ double energy_by_definition(const Setup& setup, const Mat3X<double>& u) {
   return W;
 }
 
+// One material per law, side by side, of different shares; with a volume term.
+Setup setup_of_all_laws(const TetMesh& mesh) {
+  Setup setup = holzapfel_setup(mesh);
+  const Elastic with_fibres = setup.materials[0];
+  setup.materials.clear();
+  for (int law = 0; law < law_count; ++law) {
+    Elastic elastic = with_fibres;
+    elastic.law = MaterialLaw(law);
+    if (law != int(MaterialLaw::holzapfel)) elastic.further = {};
+    if (law == int(MaterialLaw::mooney_rivlin)) elastic.further[0] = elastic.mu / 5;
+    elastic.nodal_pressure = 1 - 0.1 * law;
+    setup.materials.push_back(elastic);
+  }
+  for (Index t = 0; t < mesh.tet_count(); ++t)
+    setup.material_of[std::size_t(t)] = std::uint16_t(t / 3 % law_count);
+  setup.volume_penalty = 1e5;
+  return setup;
+}
+
+// W = Σ V_T W_T((1 − χ)λ) + Σ χλ/2 V_n θ_n², θ = J − 1 of all laws but the first.
+double energy_of_all_laws(const Setup& setup, const Mat3X<double>& u) {
+  const Elements elements(setup);
+  std::map<std::pair<Index, int>, std::pair<double, double>> nodes;  // volume, and that times θ
+  double W = 0;
+  for (Index t = 0; t < setup.mesh.tet_count(); ++t) {
+    const Shape s = elements.shape_of(t);
+    const Mat34<double> corners = u(Eigen::all, setup.mesh.tets.col(t));
+    const Mat3<double> H = displacement_gradient<double>(corners, s.gradients.rightCols<3>());
+    const int material = setup.material_of[std::size_t(t)];
+    const double theta =
+        material == 0 ? green_strain<double>(H).trace() : (Mat3<double>::Identity() + H).determinant() - 1;
+    W += s.volume * law_energy_density(nonlinear_law(elements, t), H);
+    for (Index v : setup.mesh.tets.col(t)) {
+      nodes[{v, material}].first += s.volume / 4;
+      nodes[{v, material}].second += s.volume / 4 * theta;
+    }
+  }
+  for (const auto& [key, node] : nodes)
+    W += setup.materials[std::size_t(key.second)].nodal_lambda() / 2 * node.second * node.second / node.first;
+  return W;
+}
+
 // A beam of 15 × 15 × 80 m held at one end, E = 3000 Pa, with a traction of 30 Pa across the other.
 Setup bent_beam(double nu, double share) {
   Setup setup = setup_of(box_mesh({15, 15, 80}, 2, 2, 8));
@@ -72,6 +119,31 @@ Setup bent_beam(double nu, double share) {
   return setup;
 }
 
+void check_diagonal_stiffness(Setup setup) {
+  const TetMesh& mesh = setup.mesh;
+  setup.region_of.assign(std::size_t(mesh.tet_count()), RegionModel::nonlinear);
+  const Elements elements(setup);
+  RegionEdit everything;
+  everything.entered.resize(std::size_t(mesh.tet_count()));
+  std::iota(everything.entered.begin(), everything.entered.end(), 0);
+  NonlinearRegion<double> region;
+  region.follow(elements, everything);
+  const Mat3X<double> u = random_displacement(mesh.vertex_count(), 2e-3);
+  DiagonalStiffness K = DiagonalStiffness::Zero(6, mesh.vertex_count());
+  Parallel one_thread;
+  region.add_diagonal_stiffness(u, K, one_thread);
+  const int packed[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
+  const double h = 1e-7, scale = K.cwiseAbs().maxCoeff();
+  for (Index v = 0; v < mesh.vertex_count(); ++v)
+    for (int i = 0; i < 3; ++i) {
+      Mat3X<double> plus = u, minus = u;
+      plus(i, v) += h;
+      minus(i, v) -= h;
+      const Mat3X<double> slope = (forces<double>(setup, plus) - forces<double>(setup, minus)) / (2 * h);
+      for (int j = 0; j < 3; ++j) CHECK(std::abs(K(packed[i][j], v) + slope(j, v)) < 1e-6 * scale);
+    }
+}
+
 }  // namespace
 
 TEST_CASE("the energy is the formula's, with several materials") {
@@ -83,6 +155,40 @@ TEST_CASE("the energy is the formula's, with several materials") {
   CHECK(elastic_energy(setup, u) == near(energy_by_definition(setup, u), 1e-13));
   const Setup plain = averaged(setup, 0);
   CHECK(elastic_energy(setup, u) < 0.9 * elastic_energy(plain, u));  // Jensen
+}
+
+TEST_CASE("of the other laws nodes average J - 1, in the energy, in its slope, and in statics") {
+  const TetMesh mesh = irregular_box(2);
+  const Setup setup = setup_of_all_laws(mesh);
+  const Mat3X<double> u = random_displacement(mesh.vertex_count(), 1.5e-3);
+  CHECK(elastic_energy(setup, u) == near(energy_of_all_laws(setup, u), 1e-12));
+  check_that_forces_are_minus_the_slope_of_the_energy(setup, u);
+  const Mat3X<double> f = forces<double>(setup, u), in_statics = energy_and_forces(Elements(setup), u).forces;
+  CHECK((f - in_statics).norm() < 1e-11 * f.norm());
+  const Mat3X<float> single = forces<float>(setup, u.cast<float>());
+  CHECK((single.cast<double>() - f).norm() < 1e-4 * f.norm());
+}
+
+TEST_CASE("no law locks: a bent beam of nu 0.499 gives way as of St Venant-Kirchhoff") {
+  const auto tip = [](MaterialLaw law, double share) {
+    Setup setup = bent_beam(0.499, share);
+    for (auto& load : setup.face_loads) load.traction *= 0.01;
+    setup.materials[0].law = law;
+    if (law == MaterialLaw::mooney_rivlin) setup.materials[0].further = {200, 0};
+    if (law == MaterialLaw::holzapfel) setup.materials[0].further = {1, 1};
+    if (law == MaterialLaw::holzapfel)
+      setup.mesh.fibres = Vec3d(0, 0, 1).replicate(1, setup.mesh.tet_count());
+    const StaticResult result = solve_static(setup);
+    REQUIRE(result.converged);
+    return -result.u.row(1).minCoeff();
+  };
+  const double of_svk = tip(MaterialLaw::svk, 1);
+  for (int law = 1; law < law_count; ++law) {
+    CAPTURE(law);
+    const double free = tip(MaterialLaw(law), 1), locked = tip(MaterialLaw(law), 0);
+    CHECK(free == near(of_svk, 0.01));
+    CHECK(free > 6 * locked);
+  }
 }
 
 TEST_CASE("with nodal pressure forces are minus the slope of the energy, in every region and at interfaces") {
@@ -131,29 +237,8 @@ TEST_CASE("with nodal pressure single precision follows double, and threads do n
 }
 
 TEST_CASE("the diagonal stiffness is exact: minus the slope of the force on a vertex that moves alone") {
-  const TetMesh mesh = irregular_box(2);
-  Setup setup = mixed_setup(mesh);
-  setup.region_of.assign(std::size_t(mesh.tet_count()), RegionModel::nonlinear);
-  const Elements elements(setup);
-  RegionEdit everything;
-  everything.entered.resize(std::size_t(mesh.tet_count()));
-  std::iota(everything.entered.begin(), everything.entered.end(), 0);
-  NonlinearRegion<double> region;
-  region.follow(elements, everything);
-  const Mat3X<double> u = random_displacement(mesh.vertex_count(), 2e-3);
-  DiagonalStiffness K = DiagonalStiffness::Zero(6, mesh.vertex_count());
-  Parallel one_thread;
-  region.add_diagonal_stiffness(u, K, one_thread);
-  const int packed[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
-  const double h = 1e-7, scale = K.cwiseAbs().maxCoeff();
-  for (Index v = 0; v < mesh.vertex_count(); ++v)
-    for (int i = 0; i < 3; ++i) {
-      Mat3X<double> plus = u, minus = u;
-      plus(i, v) += h;
-      minus(i, v) -= h;
-      const Mat3X<double> slope = (forces<double>(setup, plus) - forces<double>(setup, minus)) / (2 * h);
-      for (int j = 0; j < 3; ++j) CHECK(std::abs(K(packed[i][j], v) + slope(j, v)) < 1e-6 * scale);
-    }
+  check_diagonal_stiffness(mixed_setup(irregular_box(2)));
+  check_diagonal_stiffness(setup_of_all_laws(irregular_box(2)));
 }
 
 TEST_CASE("tetrahedra that change region back and forth take their pressure nodes along") {

@@ -23,11 +23,15 @@ Eigen::MatrixXd dense(const Tangent& tangent, Index unknowns) {
 
 TEST_CASE("the tangent is the derivative of the forces, in every region, stretched and compressed") {
   const TetMesh mesh = irregular_box(2);
-  for (const auto& [share, element] : {std::pair{0.0, ElementType::tetrahedron},
-                                       {0.7, ElementType::tetrahedron},
-                                       {0.0, ElementType::edge_smoothed},
-                                       {0.7, ElementType::edge_smoothed}}) {
+  for (const auto& [share, element, law] : {std::tuple{0.0, ElementType::tetrahedron, MaterialLaw::svk},
+                                            {0.7, ElementType::tetrahedron, MaterialLaw::svk},
+                                            {0.7, ElementType::tetrahedron, MaterialLaw::mooney_rivlin},
+                                            {0.0, ElementType::edge_smoothed, MaterialLaw::svk},
+                                            {0.7, ElementType::edge_smoothed, MaterialLaw::svk},
+                                            {0.7, ElementType::edge_smoothed, MaterialLaw::neo_hookean}}) {
     Setup setup = hybrid_setup(mesh);
+    setup.materials[1].law = law;
+    if (law == MaterialLaw::mooney_rivlin) setup.materials[1].further[0] = setup.materials[1].mu / 5;
     setup.materials[1].nodal_pressure = share;
     setup.materials[1].element = element;
     setup.guard_below = 0.5;

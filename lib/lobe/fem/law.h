@@ -66,7 +66,7 @@ T law_energy_density(const Law<T>& law, const Mat3<T>& H)  // W/V of ∇u [J/m³
   with_solid(law.terms.solid, [&](auto solid) LOBE_INLINE { W += solid.energy_density(H, law); });
   if (law.terms.fibre) W += fibre_energy_density(H, law.fibre, law.direction);
   if (law.terms.volume) W += volume_energy_density(H, law.kappa);
-  if (law.terms.pressure) W += pressure_energy_density(H, law.pressure);
+  if (law.terms.pressure) W += pressure_energy_density(H, law.pressure, law.terms.solid);
   if (is_guarded(law, H)) W += guard_energy_density(H, law.guard_modulus, law.guard_threshold);
   return W.value();
 }
@@ -83,7 +83,7 @@ Mat3<T> law_stress(const Law<T>& law, const Mat3<T>& H)  // first Piola-Kirchhof
     if (!solid.in_green_strain || !law.terms.fibre) P += solid.stress(H, law);
   });
   if (law.terms.volume) P += volume_stress(H, law.kappa);
-  if (law.terms.pressure) P += pressure_stress(H, law.pressure);
+  if (law.terms.pressure) P += pressure_stress(H, law.pressure, law.terms.solid);
   if (is_guarded(law, H)) P += guard_stress(H, law.guard_modulus, law.guard_threshold);
   return P.value();
 }
@@ -98,7 +98,8 @@ inline Mat3<T> law_diagonal_block(const Law<T>& law, const Mat3<T>& H, const Vec
   if (law.terms.fibre) K += fibre_diagonal_block(H, alpha, law.fibre, law.direction);
   if (law.terms.volume) K += volume_diagonal_block(H, alpha, law.kappa);
   if (is_guarded(law, H)) K += guard_diagonal_block(H, alpha, law.guard_modulus, law.guard_threshold);
-  if (law.terms.pressure) K += pressure_diagonal_block(alpha, law.pressure);
+  if (law.terms.pressure && averages_green_strain(law.terms.solid))
+    K += pressure_diagonal_block(alpha, law.pressure);
   return K.value();
 }
 
@@ -120,7 +121,10 @@ Eigen::Matrix<T, 12, 12> law_stiffness(const Law<T>& law, const Mat3<T>& H,
     is_green = is_green || solid.in_green_strain;
   });
   if (law.terms.fibre) sum.S += fibre_second_stress(H, law.fibre, law.direction);
-  if (law.terms.pressure) sum.S += law.pressure * I;
+  if (law.terms.pressure && averages_green_strain(law.terms.solid))
+    sum.S += law.pressure * I;
+  else if (law.terms.pressure)
+    sum.psi += VolumeDerivatives<T>{law.pressure, T(0)};
   if (law.terms.volume) sum.psi += volume_derivatives(H, law.kappa);
   if (is_guarded(law, H)) sum.psi += guard_derivatives(H, law.guard_modulus, law.guard_threshold);
   const Mat34<T> g = cofactor(F) * alpha, a = F * alpha;

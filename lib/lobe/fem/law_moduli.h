@@ -71,8 +71,10 @@ inline constexpr LawRow law_rows[] = {{"svk", {}},
 inline constexpr int law_count = std::size(law_rows);
 static_assert(law_count == int(MaterialLaw::corotational));
 inline constexpr int solid_count = int(MaterialLaw::none);
-[[gnu::always_inline]] constexpr bool has_families(MaterialLaw law) {
-  return law == MaterialLaw::holzapfel;
+[[gnu::always_inline]] constexpr bool has_families(MaterialLaw law) { return law == MaterialLaw::holzapfel; }
+// Which strain of volume nodal pressure averages: tr E of St Venant-Kirchhoff, J − 1 of all others.
+[[gnu::always_inline]] constexpr bool averages_green_strain(MaterialLaw law) {
+  return law == MaterialLaw::svk || law == MaterialLaw::none;
 }
 
 struct Terms {

@@ -110,7 +110,7 @@ Column MeanDefects::gradient(Index zone, const Mat3X<double>& u) const {
 // If the gradient is the same everywhere, the nodal pressures are those of its strain: χλ θ.
 Law<double> MeanDefects::law(const MeanMaterial& mean, const Mat3<double>& H) const {
   Law<double> law = nonlinear_law(mean.material, volume_penalty_, guard_below_,
-                                  mean.material.nodal_lambda() * strain_trace(H));
+                                  mean.material.nodal_lambda() * pressure_strain(H, mean.material.law));
   law.direction = mean.direction;
   return law;
 }

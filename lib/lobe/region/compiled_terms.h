@@ -8,6 +8,8 @@
 
 namespace lobe {
 
+constexpr Terms averaged(MaterialLaw law) { return {.solid = law, .volume = true, .pressure = true}; }
+
 // A patch takes the first entry that covers its law.
 inline constexpr Terms compiled_terms[] = {{},
                                            {.volume = true},
@@ -23,6 +25,10 @@ inline constexpr Terms compiled_terms[] = {{},
                                            {.solid = MaterialLaw::yeoh, .volume = true},
                                            {.solid = MaterialLaw::mooney_rivlin, .volume = true},
                                            {.solid = MaterialLaw::holzapfel, .volume = true},
+                                           averaged(MaterialLaw::neo_hookean),
+                                           averaged(MaterialLaw::yeoh),
+                                           averaged(MaterialLaw::mooney_rivlin),
+                                           averaged(MaterialLaw::holzapfel),
                                            {.solid = MaterialLaw::corotational},
                                            {.volume = true, .pressure = true}};
 

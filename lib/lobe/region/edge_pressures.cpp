@@ -17,6 +17,7 @@ EdgePressures::EdgePressures(const Elements& elements, const SmoothedEdges& edge
 void EdgePressures::follow(const Elements& elements, const SmoothedEdges& edges,
                            const std::vector<Index>& changed) {
   nodes_.resize(std::size_t(edges.count()), {none, none});
+  laws_.resize(std::size_t(edges.count()), MaterialLaw::svk);
   while (nodes_at_.vertex_count() < elements.topology.vertex_count()) nodes_at_.add_vertex();
   std::vector<Index> touched;
   for (Index e : changed)
@@ -30,6 +31,7 @@ void EdgePressures::follow(const Elements& elements, const SmoothedEdges& edges,
     const SmoothedEdge& edge = edges[e];
     const double lambda = elements.materials[edge.material].nodal_lambda();
     if (!(edge.volume > 0) || !(lambda > 0) || edge.model != RegionModel::nonlinear) continue;
+    laws_[e] = elements.materials[edge.material].law;
     for (int end = 0; end < 2; ++end) {
       const Index node = node_at(edge.vertices[end], edge, lambda);
       edges_of_.append(node, e);
@@ -85,9 +87,9 @@ void EdgePressures::add_diagonal_stiffness(const SmoothedEdges& edges,
   std::vector<std::size_t> first{0};  // slope of each domain, then the end
   for (Index e = 0; e < edges.count(); ++e) {
     const SmoothedEdge& edge = edges[e];
+    const Mat3<double> D = pressure_slope_less_one(gradients[e], laws_[e]);
     for (std::size_t j = 0; j < edge.vertices.size() && nodes_[e][0] != none; ++j)
-      slopes.push_back(
-          {edge.volume * (edge.gradients[j] + gradients[e] * edge.gradients[j]), edge.vertices[j]});
+      slopes.push_back({edge.volume * (edge.gradients[j] + D * edge.gradients[j]), edge.vertices[j]});
     first.push_back(slopes.size());
   }
   Mat3X<double> g = Mat3X<double>::Zero(3, nodes_at_.vertex_count());  // 2 ∂(V_n θ_n)/∂u around one node
@@ -117,7 +119,8 @@ std::vector<double> domain_pressures(const SmoothedEdges& edges, const EdgePress
                                      const std::vector<Mat3<double>>& gradients) {
   std::vector<double> volume_strain(gradients.size(), 0), at_node(std::size_t(pressures.count())),
       at_domain(gradients.size(), 0);
-  for (Index e = 0; e < edges.count(); ++e) volume_strain[e] = edges[e].volume * strain_trace(gradients[e]);
+  for (Index e = 0; e < edges.count(); ++e)
+    volume_strain[e] = edges[e].volume * pressure_strain(gradients[e], pressures.law_of(e));
   Parallel one_thread;
   pressures.gather(volume_strain, at_node, one_thread);
   for (Index e = 0; e < edges.count(); ++e) at_domain[e] = pressures.mean(at_node, e);

@@ -46,13 +46,14 @@ class EdgePressures {
       }
     });
   }
+  MaterialLaw law_of(Index edge) const { return laws_[edge]; }
   // p_e [Pa], 0 if it takes no part.
   template <class Real>
   Real mean(const std::vector<Real>& pressure, Index edge) const {
     return (pressure[nodes_[edge][0]] + pressure[nodes_[edge][1]]) / 2;
   }
 
-  // Adds the exact part of the nodes: Σ_n χλ/V_n g⊗g with g = ∂(V_n θ_n)/∂u_i = Σ_{e∋n} ½ V_e F_e b_ei of
+  // Adds the exact part of the nodes: Σ_n χλ/V_n g⊗g with g = ∂(V_n θ_n)/∂u_i = Σ_{e∋n} ½ V_e ∂θ_e/∂F b_ei of
   // each vertex i. `gradients`: ∇u per domain. O(#domains).
   void add_diagonal_stiffness(const SmoothedEdges& edges, const std::vector<Mat3<double>>& gradients,
                               DiagonalStiffness& K) const;
@@ -67,6 +68,7 @@ class EdgePressures {
   std::vector<std::uint16_t> material_{0};
   std::vector<double> volume_{0}, lambda_{0}, scale_{0};  // scale: χλ/2V_n [Pa/m³]
   std::vector<std::array<Index, 2>> nodes_;               // per domain
+  std::vector<MaterialLaw> laws_;                         // per domain
 };
 
 // p_e [Pa] of every domain, 0 where it takes no part. O(#domains).

@@ -105,7 +105,8 @@ std::vector<double> tet_pressures(const Elements& elements, const PressureNodes&
     const Shape s = elements.shape_of(Index(t));
     const Mat34<double> corners = u(Eigen::all, elements.topology.corners(Index(t)));
     volume_strain[t] =
-        s.volume * strain_trace(displacement_gradient<double>(corners, s.gradients.rightCols<3>()));
+        s.volume * pressure_strain(displacement_gradient<double>(corners, s.gradients.rightCols<3>()),
+                                   elements.elastic_of(Index(t)).law);
   }
   Parallel one_thread;
   nodes.gather(volume_strain, at_node, one_thread);

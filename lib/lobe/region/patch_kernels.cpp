@@ -92,16 +92,17 @@ double Patches<Real>::energy(const Mat3X<Real>& u) {
   return sum;
 }
 
-// ∂(V tr E)/∂u_c = V F α_c.
+// ∂(V θ)/∂u_c = V ∂θ/∂F α_c.
 template <class Real>
 void Patches<Real>::find_slopes(const Mat3X<Real>& u) {
-  const auto keep = [&](const auto& e, const PatchArrays<Real>&, Index, Index slot, int used) {
+  const auto keep = [&](const auto& e, const PatchArrays<Real>& patch, Index, Index slot, int used) {
+    const Mat3<Pack<Real>> D = pressure_slope_less_one(e.H, patch.law.terms.solid);
     for (int c = 0; c < 4; ++c) {
-      const Vec3<Pack<Real>> a = e.gradient(c), Fa = a + e.H.lazyProduct(a);
+      const Vec3<Pack<Real>> a = e.gradient(c), slope = a + D.lazyProduct(a);
       for (int lane = 0; lane < used; ++lane)
         for (int d = 0; d < 3; ++d)
           slopes_(d, 4 * layout_.id_of(slot + lane) + c) =
-              double(Real(e.V[lane])) * double(Real(Fa[d][lane]));
+              double(Real(e.V[lane])) * double(Real(slope[d][lane]));
     }
     return true;
   };

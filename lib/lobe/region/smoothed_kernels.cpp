@@ -163,7 +163,7 @@ LOBE_FLATTEN void find_gradients(const SmoothedArrays<Real>& patch, DomainGradie
     for (int first = 0; first < width; first += Lanes::count) {
       const Lanes e(patch, b, first);
       for (int i = 0; i < 9; ++i) e.H(i % 3, i / 3).copy_to(&H[b].entries[i][first]);
-      const Pack<Real> strain = e.V * strain_trace(e.H);
+      const Pack<Real> strain = e.V * pressure_strain(e.H, patch.law.terms.solid);
       strain.copy_to(volume_strains + b * width + first);
     }
 }

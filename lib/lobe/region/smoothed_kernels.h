@@ -85,6 +85,10 @@ inline constexpr Terms smoothed_terms[] = {{},
                                            {.solid = MaterialLaw::yeoh},
                                            {.solid = MaterialLaw::mooney_rivlin},
                                            {.solid = MaterialLaw::holzapfel},
+                                           {.solid = MaterialLaw::neo_hookean, .pressure = true},
+                                           {.solid = MaterialLaw::yeoh, .pressure = true},
+                                           {.solid = MaterialLaw::mooney_rivlin, .pressure = true},
+                                           {.solid = MaterialLaw::holzapfel, .pressure = true},
                                            {.solid = MaterialLaw::corotational}};
 
 template <class Real>
@@ -92,7 +96,7 @@ struct SmoothedKernels {
   // Adds the forces of the patch's domains to those of its vertices [N], and the forces of the volume term
   // and the guard of the tetrahedra that they own.
   void (*add_forces)(const SmoothedArrays<Real>& patch, PaddedVector<Real>* f);
-  // ∇u, and V tr E [m³], block by block.
+  // ∇u, and V θ [m³] (fem/pressure_term.h), block by block.
   void (*find_gradients)(const SmoothedArrays<Real>& patch, DomainGradients<Real>* H, Real* volume_strains);
   // Adds three of the six entries of the stiffness that each vertex feels when it moves while its neighbours
   // are held [N/m]. That of small strain is the one at rest.

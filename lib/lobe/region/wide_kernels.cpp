@@ -84,16 +84,23 @@ Real add_forces(const PatchArrays<Real>& patch, Guarding guarding, PaddedVector<
   return add_forces_of<Real, terms, Guarding::acting>(patch, sums);
 }
 
-template <class Real>
-LOBE_FLATTEN void volume_strains(const PatchArrays<Real>& patch, Real* rows) {
+template <class Real, MaterialLaw law>
+LOBE_FLATTEN void volume_strains_of(const PatchArrays<Real>& patch, Real* rows) {
   using Lanes = ElementLanes<Pack<Real>>;
   constexpr int width = ElementBlock<Real>::width;
   for (Index b = 0; b < patch.block_count; ++b)
     for (int first = 0; first < width; first += Lanes::count) {
       const Lanes e(patch.blocks[b], first, patch.u);
-      const Pack<Real> strain = e.V * strain_trace(e.H);
+      const Pack<Real> strain = e.V * pressure_strain(e.H, law);
       strain.copy_to(rows + b * width + first);
     }
+}
+
+template <class Real>
+void volume_strains(const PatchArrays<Real>& patch, Real* rows) {
+  if (averages_green_strain(patch.law.terms.solid))
+    return volume_strains_of<Real, MaterialLaw::svk>(patch, rows);
+  volume_strains_of<Real, MaterialLaw::neo_hookean>(patch, rows);
 }
 
 template <StiffnessPart part, class T>
@@ -127,7 +134,7 @@ LOBE_FLATTEN Real add_stiffness_of(const PatchArrays<Real>& patch, Real* sums) {
   return hmin(smallest);
 }
 
-// Of laws other than St Venant-Kirchhoff, whose fibres are their own, and which have no nodal pressure.
+// Of laws other than St Venant-Kirchhoff, whose fibres are their own, and to which a pressure adds nothing.
 template <class Real, StiffnessPart part, int law = 1 + int(MaterialLaw::svk)>
 Real add_stiffness_of_other(const PatchArrays<Real>& patch, Real* sums) {
   if constexpr (law + 1 < solid_count)

@@ -32,7 +32,7 @@ struct WideKernels {
   // Adds the forces of the patch's tetrahedra to those of its vertices [N], tetrahedron by tetrahedron.
   // Returns the smallest det F if asked, to rounding, else 1.
   Real (*add_forces)(const PatchArrays<Real>& patch, Guarding guarding, PaddedVector<Real>* f);
-  void (*volume_strains)(const PatchArrays<Real>& patch, Real* rows);  // V tr E [m³], block by block
+  void (*volume_strains)(const PatchArrays<Real>& patch, Real* rows);  // V θ [m³], block by block
   // Adds three of the six entries of the stiffness that each vertex feels when it moves while its neighbours
   // are held [N/m]. Returns the smallest det F.
   Real (*add_stiffness)(const PatchArrays<Real>& patch, StiffnessPart part, PaddedVector<Real>* K);

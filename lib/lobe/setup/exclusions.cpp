@@ -37,8 +37,6 @@ constexpr Exclusion table[] = {
      "leave one of them out"},
     {Option::other_law, Option::stored, "its energy is no polynomial of degree 4 in displacements",
      "use \"direct\""},
-    {Option::nodal_pressure, Option::other_law, "it averages the pressure of St Venant-Kirchhoff",
-     "use \"law\": \"svk\""},
     {Option::sleep, Option::nodal_pressure, "the pressure of a patch depends on its neighbours",
      "leave one of them out"},
     {Option::expandable, Option::corotated, "an expanded region has no frame", "use a fixed frame"},

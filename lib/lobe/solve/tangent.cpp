@@ -187,10 +187,11 @@ void Tangent::for_domain_places(Index edge, Visit&& visit) const {
 
 Eigen::VectorXd Tangent::slope_of(Index edge, const Mat3<double>& H) const {
   const SmoothedEdge& domain = averages_.edges[edge];
+  const Mat3<double> D = pressure_slope_less_one(H, averages_.edge_pressures.law_of(edge));
   Eigen::VectorXd slope(3 * Eigen::Index(domain.vertices.size()));
   for (std::size_t j = 0; j < domain.vertices.size(); ++j)
     slope.segment<3>(3 * Eigen::Index(j)) =
-        domain.volume / 2 * (domain.gradients[j] + H * domain.gradients[j]);
+        domain.volume / 2 * (domain.gradients[j] + D * domain.gradients[j]);
   return slope;
 }
 
@@ -222,7 +223,8 @@ Tangent::TetEntries Tangent::entries_of(Index tet, const Mat34<double>& u, doubl
   if (averages_.nodes.of(tet)[0] == PressureNodes::none) return entries;
   const Shape s = elements_.shape_of(tet);
   const Mat3<double> H = displacement_gradient<double>(u, s.gradients.rightCols<3>());
-  const Mat34<double> g = s.volume / 4 * (s.gradients + H * s.gradients);
+  const Mat3<double> D = pressure_slope_less_one(H, elements_.elastic_of(tet).law);
+  const Mat34<double> g = s.volume / 4 * (s.gradients + D * s.gradients);
   for (int n = 0; n < 4; ++n) entry = std::copy(g.data(), g.data() + 12, entry);
   return entries;
 }

@@ -220,6 +220,35 @@ TEST_CASE("a controller that is silent for longer than the session's patience is
   CHECK(session.status()->hands.size() == 1);
 }
 
+TEST_CASE("a hand whose tool an application lets go of is empty, which is said, and may take another") {
+  Session<float> session(block());
+  Controller mouse = session.connect("mouse"), leaves = session.connect("leaves");
+  const auto take_away = [&](std::size_t hand) {
+    session.world().apply(LetGo{session.status()->hands.at(hand).tool});
+  };
+  const Vec3d above = top + 2 * lift;
+  mouse.send(take_at(top));
+  leaves.send(bring_tool(1, above, BringCautery{"", 0.004, above}));
+  step(session, 2);
+  take_away(0);
+  take_away(1);
+  SUBCASE("it leads on") {
+    mouse.send(lead_to(top + lift));
+    leaves.send(turn_on(Kind::turn_on, true));
+  }
+  SUBCASE("it lets go") { mouse.send(ask(Kind::let_go)); }
+  SUBCASE("its controller goes") { leaves = session.connect("another"); }
+  step(session, 2);
+  CHECK(session.status()->hands.empty());
+  CHECK(messages(session).size() == 2);
+  CHECK(times_said(session, "tool_gone", "hand 1 of mouse: its tool was let go of by the application") == 1);
+  CHECK(times_said(session, "tool_gone", "hand 1 of leaves: its tool") == 1);
+  mouse.send(take_at(top));
+  step(session, 2);
+  REQUIRE(session.status()->hands.size() == 1);
+  CHECK(session.status()->hands[0].holds);
+}
+
 TEST_CASE("a grasp that is pulled at with more than the cap slips off, which is named") {
   const Setup setup = block();
   SessionOptions options;

@@ -202,6 +202,18 @@ void Hands<Real>::turn_on(const HandCommand& command, Hand& hand) {
 }
 
 template <class Real>
+void Hands<Real>::notice_gone_tools() {
+  for (Hand& hand : hands_) {
+    if (hand.tool == 0) continue;
+    bool is_there = false;
+    world_.tools().visit(hand.tool, [&](const auto& tool) { is_there = !tool.has_gone(); });
+    if (is_there) continue;
+    say("tool_gone", name_of(hand.controller, hand.number) + ": its tool was let go of by the application");
+    hand = {.controller = hand.controller, .number = hand.number};
+  }
+}
+
+template <class Real>
 void Hands<Real>::before_frame(double duration) {
   for (Hand& hand : hands_) {
     if (hand.tool == 0 || !hand.is_leading) continue;

@@ -38,6 +38,8 @@ class Hands {
   int drop(int controller);          // its hands let go; returns how many held something
   void forget() { hands_.clear(); }  // after the world went back to an earlier state: its tools are gone
 
+  // Empties hands whose tools the application has let go of between two frames, and says so.
+  void notice_gone_tools();
   void before_frame(double duration);  // leads the tools [s]
   void after_frame();                  // notes which grasps hold and which slip
 

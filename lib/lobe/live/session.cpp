@@ -74,6 +74,7 @@ bool Session<Real>::step_frame() {
   }
   steps_once_ = false;
   for (SessionHook<Real>* hook : hooks_) hook->before_frame(hands_, world_, frame_);
+  hands_.notice_gone_tools();
   hands_.before_frame(frame_);
   const Report report = timeline_.advance(frame_);
   ++frames_;
@@ -142,6 +143,7 @@ void Session<Real>::publish_status() {
 // Performs the commands. Controllers that have gone have sent all their commands before they went.
 template <class Real>
 void Session<Real>::take_commands() {
+  hands_.notice_gone_tools();
   const std::vector<int> gone = queue_.gone();
   while (const auto sent = queue_.take()) perform_command(*sent);
   for (int controller : gone) {

@@ -15,6 +15,7 @@ namespace lobe {
 //   missed           a ray met nothing, or nothing within the radius can be grasped: the hand is empty
 //   slipped          a grasp was pulled at with more than the cap: it has let go
 //   controller_gone  its hands have let go
+//   tool_gone        the application let go of a hand's tool between two frames: the hand is empty
 //   inside           a probe was brought whose position lies in the body
 //   refused          a command that is malformed, or concerns a hand or tetrahedron that is not there:
 //                    nothing was done

@@ -112,7 +112,8 @@ LOBE_API lobe_status lobe_scalpel(lobe_session* session, uint32_t tool, const do
  * Lengths are metres and directions those of the scene, whatever lobe_options.axes says; files of shapes are
  * relative to the working folder. lobe_last_error() names each fault by its JSON pointer. */
 LOBE_API lobe_status lobe_bring(lobe_session* session, uint32_t tool, const char* json);
-/* A cautery burns while it is on, a scalpel cuts, jaws close. */
+/* A cautery burns while it is on, a scalpel cuts, jaws close. A clip applier closes a clip when it is
+ * switched on. */
 LOBE_API lobe_status lobe_switch(lobe_session* session, uint32_t tool, int on);
 /* Moves a tool to a pose: position and unit quaternion (x, y, z, w). A grasp begins at the point given to
  * lobe_grasp(), or hit by the ray, with quaternion (0, 0, 0, 1). Its pose says where that point is to be, and

@@ -71,7 +71,7 @@
 //   driven vertex: a held vertex whose prescribed position moves.
 //   free vertex: a vertex that nothing holds.
 //   grasped vertex: a vertex that moves with a tool.
-//   tool: a grasp, a cautery, a scalpel or a probe, on a path or moved by hand.
+//   tool: a grasp, a cautery, a scalpel, a probe or a clip applier, on a path or moved by hand.
 //   lead: to move a tool by hand, to a new pose in each frame.
 //   hand: what moves one tool in a session; a controller names each of its hands by a number.
 //   controller: a person or program that has hands in a session.
@@ -99,7 +99,9 @@
 //   attachment: what ties bodies to each other or to the world, and may tear: a set of strands.
 //   strand: a straight elastic connection between two points of the tissue, or from one to the world.
 //   bed: strands that cover a part of the surface.
-//   event: what tore, broke or burnt in a frame, with its place and size.
+//   clip: two legs that hold a duct closed; a clip applier closes it.
+//   carrier: a body in which blood or bile flows, and which bleeds or leaks where it is cut.
+//   event: what tore, broke, burnt, was clipped, bleeds or leaks in a frame, with its place and size.
 //   grain: a part of a tetrahedron that a scalpel has cut.
 //   stroke: the path of a blade from where it begins to cut to where it stops.
 //   crumb: a tiny part that a blade would cut off; it stays attached.

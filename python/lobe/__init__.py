@@ -3,6 +3,7 @@
 from ._lobe import (
     Cautery,
     Checkpoint,
+    ClipApplier,
     Condition,
     Difference,
     Event,
@@ -34,7 +35,8 @@ from ._lobe import (
 from .programs import bench, fit, mesh, read_table, sensitivity, view
 
 __all__ = [
-    "Cautery", "Checkpoint", "Condition", "Difference", "Event", "GestureOutcome", "Grasp", "InputError", "Mesh",
+    "Cautery", "Checkpoint", "ClipApplier", "Condition", "Difference", "Event", "GestureOutcome", "Grasp",
+    "InputError", "Mesh",
     "Probe", "Proposal", "Report", "Scalpel", "Scene", "Snapshot", "StaticResult",
     "Surface", "Transitions", "World", "__version__",
     "bench", "box_mesh", "compare", "fit", "mesh", "propose_regions", "read_checkpoint", "read_mesh", "read_scene",

@@ -122,12 +122,11 @@ void bind_grasp(py::module_& module) {
 
 void bind_cautery(py::module_& module) {
   py::class_<PyCautery>(module, "Cautery",
-                        "A tool that burns what its spherical tip touches, while it is on. World.cautery() "
-                        "makes it.")
-      .def(
-          "move_to",
-          [](const PyCautery& self, const py::object& position) { lead(self, position, py::none()); },
-          py::arg("position"), "Moves its tip to this position by the end of the next frame [m].")
+                        "A tool that burns what its spherical tip or its hook touches, while it is on. "
+                        "World.cautery() makes it.")
+      .def("move_to", &lead<PyCautery>, py::arg("position"), py::arg("orientation") = py::none(),
+           "Moves its tip to this position by the end of the next frame [m]. The orientation is a unit "
+           "quaternion\n(x, y, z, w): how its hook has turned since it was brought.")
       .def("switch", &turn_on<PyCautery>, py::arg("on"), "Switches it on or off.")
       .def("release", &let_go<PyCautery>, "Takes it away.")
       .def_property_readonly("name", &name_of<PyCautery>, "The name that it was given.")
@@ -147,6 +146,24 @@ void bind_scalpel(py::module_& module) {
       .def_property_readonly("name", &name_of<PyScalpel>, "The name that it was given.")
       .def("__repr__",
            [](const PyScalpel& self) { return describe_tool(self, "Scalpel", "it is on", "it is off"); });
+}
+
+void bind_clip_applier(py::module_& module) {
+  py::class_<PyClipApplier>(
+      module, "ClipApplier",
+      "A tool that closes a clip on what lies between its jaws. World.bring() makes it.")
+      .def("move_to", &lead<PyClipApplier>, py::arg("position"), py::arg("orientation") = py::none(),
+           "Moves the middle of its jaws to this position by the end of the next frame [m]. The orientation "
+           "is a unit\nquaternion (x, y, z, w): of the axes along the jaws, along the duct and from jaw to "
+           "jaw.")
+      .def("switch", &turn_on<PyClipApplier>, py::arg("on"),
+           "On: closes a clip where it is when the next frame begins. Off: opens its jaws again; the clip "
+           "stays.")
+      .def("release", &let_go<PyClipApplier>, "Takes it away. Its clips stay.")
+      .def_property_readonly("name", &name_of<PyClipApplier>, "The name that it was given.")
+      .def("__repr__", [](const PyClipApplier& self) {
+        return describe_tool(self, "ClipApplier", "its jaws are closed", "its jaws are open");
+      });
 }
 
 // Returns value(probe) of the probe of a handle.
@@ -209,6 +226,7 @@ py::list handles_of(const std::shared_ptr<PyWorld>& world) {
     add_handles<PyCautery>(world, lists.cauteries, handles);
     add_handles<PyScalpel>(world, lists.scalpels, handles);
     add_handles<PyProbe>(world, lists.probes, handles);
+    add_handles<PyClipApplier>(world, lists.clip_appliers, handles);
   });
   return py::cast(std::move(handles));
 }
@@ -218,6 +236,7 @@ void bind_tools(py::module_& module) {
   bind_cautery(module);
   bind_scalpel(module);
   bind_probe(module);
+  bind_clip_applier(module);
 }
 
 }  // namespace lobe::python

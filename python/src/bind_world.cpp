@@ -69,6 +69,9 @@ PyScalpel handle_of(const std::shared_ptr<PyWorld>& world, const BringScalpel& c
 PyProbe handle_of(const std::shared_ptr<PyWorld>& world, const BringProbe& command) {
   return bring<PyProbe>(world, command);
 }
+PyClipApplier handle_of(const std::shared_ptr<PyWorld>& world, const BringClipApplier& command) {
+  return bring<PyClipApplier>(world, command);
+}
 
 AnyTool bring_any(const std::shared_ptr<PyWorld>& world, const py::dict& tool,
                   const std::filesystem::path& folder) {
@@ -93,7 +96,8 @@ void add_tools(WorldClass& world) {
           "bring", &bring_any, py::arg("tool"), py::kw_only(), py::arg("folder") = ".",
           "Brings a tool that a dictionary describes as a scene does (docs/scene.md), with \"at\", a row of "
           "its path\nwithout the time, in place of \"path\": {\"type\": \"probe\", \"shape\": {\"sphere\": "
-          "{\"radius\": 0.01}}, \"at\": [0.1, 0, 0.05]}.\nReturns its handle: Cautery, Scalpel or Probe. "
+          "{\"radius\": 0.01}}, \"at\": [0.1, 0, 0.05]}.\nReturns its handle: Cautery, Scalpel, Probe or "
+          "ClipApplier. "
           "folder: what relative paths of shapes are relative to.\nRaises ValueError with each fault and its "
           "JSON pointer.")
       .def("cautery", &bring_cautery, py::arg("position"), py::kw_only(), py::arg("radius"),
@@ -251,6 +255,47 @@ py::list attachments_of(PyWorld& world) {
     list.append(entry);
   }
   return list;
+}
+
+// ---- Clips, and bodies that carry blood or bile
+
+py::list clips_of(PyWorld& world) {
+  py::list list;
+  for (const ClipFigures& of : world.use([](AnyWorld& any) { return any.clips(); })) {
+    py::dict entry;
+    entry["name"] = of.name;
+    entry["pairs"] = of.pairs;
+    entry["apart"] = of.apart;
+    entry["force"] = of.force;
+    list.append(entry);
+  }
+  return list;
+}
+
+py::list carriers_of(PyWorld& world) {
+  py::list list;
+  world.use([&](AnyWorld& any) {
+    for (const CarrierFigures& of : any.carriers()) {
+      py::dict entry;
+      entry["body"] = any.elements().bodies.names[std::size_t(of.body)];
+      entry["carries"] = carries_names[std::size_t(of.carries)];
+      entry["open"] = of.open;
+      list.append(entry);
+    }
+  });
+  return list;
+}
+
+void add_clips(WorldClass& world) {
+  world
+      .def_property_readonly("clips", &clips_of,
+                             "The clips that were closed, a list of dictionaries: `name`, `pairs` of points "
+                             "that it holds (0: it has\nfallen off), how far they are `apart` at most [m], "
+                             "and its `force` [N].")
+      .def_property_readonly("carriers", &carriers_of,
+                             "The bodies that carry blood or bile, a list of dictionaries: `body`, what it "
+                             "`carries`, and the area [m²] of\nits faces that are `open` and fed, as the "
+                             "last frame began.");
 }
 
 void add_attachments(WorldClass& world) {
@@ -423,6 +468,7 @@ void bind_world(py::module_& module) {
   add_edits(world);
   add_threads(world);
   add_attachments(world);
+  add_clips(world);
 }
 
 }  // namespace lobe::python

@@ -17,6 +17,7 @@ struct PyGrasp : PyTool {};
 struct PyCautery : PyTool {};
 struct PyScalpel : PyTool {};
 struct PyProbe : PyTool {};
+struct PyClipApplier : PyTool {};
 
 // Brings a tool of the command, and returns its handle.
 template <class Handle, class Bring>
@@ -27,7 +28,7 @@ Handle bring(const std::shared_ptr<PyWorld>& world, const Bring& command) {
   });
 }
 
-using AnyTool = std::variant<PyGrasp, PyCautery, PyScalpel, PyProbe>;
+using AnyTool = std::variant<PyGrasp, PyCautery, PyScalpel, PyProbe, PyClipApplier>;
 
 // Those of all tools that are led by hand and have not been let go.
 py::list handles_of(const std::shared_ptr<PyWorld>& world);

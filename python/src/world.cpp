@@ -29,6 +29,8 @@ class WorldOf : public AnyWorld {
   std::vector<ThreadLine> threads() override { return thread_lines(world_); }
   std::vector<TermLines> lines() override { return term_lines(world_); }
   std::vector<AttachmentFigures> attachments() override { return attachment_figures(world_); }
+  std::vector<ClipFigures> clips() override { return clip_figures(world_); }
+  std::vector<CarrierFigures> carriers() override { return carrier_figures(world_); }
   int next_thread() const override {
     int next = 0;
     for (const auto& term : world_.body().terms)

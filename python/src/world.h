@@ -30,6 +30,8 @@ class AnyWorld {
   virtual std::vector<ThreadLine> threads() = 0;
   virtual std::vector<TermLines> lines() = 0;  // of threads and of attachments
   virtual std::vector<AttachmentFigures> attachments() = 0;
+  virtual std::vector<ClipFigures> clips() = 0;
+  virtual std::vector<CarrierFigures> carriers() = 0;
   virtual int next_thread() const = 0;           // a number that no thread has
   virtual FoundPoint embed(const Vec3d& x) = 0;  // the tissue at x [m], or the nearest
   virtual double time_step_limit() = 0;

@@ -332,3 +332,30 @@ TEST_CASE("cautery removes what the sphere touches along its path, in the deform
   }
   CHECK(touched_tets(topology, mesh.points + moved, sweep).empty());
 }
+
+TEST_CASE("a hook burns along its wire, as far as spheres that are a radius apart reach, and as it turns") {
+  constexpr double radius = 0.001;
+  const Vec3d tip(0.01, 0.02, 0.03), wire(0.008, 0, 0);
+  const auto tiny_at = [](const Vec3d& centre) {
+    Mat34<double> x = centre.replicate(1, 4);
+    for (int i = 0; i < 3; ++i) x(i, i) += 1e-7;
+    return x;
+  };
+  const SweptVolume rests = swept_volume({tip, tip, radius}, wire, wire);
+  for (const double along : {0.0, 0.0003, 0.0035, 0.0045, 0.008}) {
+    CAPTURE(along);
+    const Vec3d on = tip + Vec3d(along, 0, 0), aside = Vec3d(0, 0.6, 0.8) * radius;
+    CHECK(rests.meets(tiny_at(on + 0.86 * aside)));  // √3/2 between two spheres
+    CHECK(!rests.meets(tiny_at(on + 1.01 * aside)));
+    CHECK(rests.crosses(on + 0.86 * aside, on + 3 * aside));
+    CHECK(!rests.crosses(on + 1.01 * aside, on + 3 * aside));
+    CHECK(rests.box.contains(on + aside));
+  }
+  CHECK(!rests.meets(tiny_at(tip - Vec3d(1.01 * radius, 0, 0))));
+  CHECK(!rests.meets(tiny_at(tip + wire + Vec3d(1.01 * radius, 0, 0))));
+  // While the wire turns from x to y its end goes along the chord.
+  const SweptVolume turns = swept_volume({tip, tip, radius}, wire, {0, 0.008, 0});
+  CHECK(turns.meets(tiny_at(tip + Vec3d(0.004, 0.004, 0))));
+  CHECK(!turns.meets(tiny_at(tip + Vec3d(0.0055, 0.0055, 0))));
+  CHECK(turns.meets(tiny_at(tip + Vec3d(0, 0.008, 0))));
+}

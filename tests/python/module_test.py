@@ -48,6 +48,8 @@ def test_every_class_says_what_it_is(mesh, scene, tip):
     grasp, cautery = world.grasp(tip), world.cautery((0, 0, 1), radius=0.01)
     scalpel = world.scalpel((0, 0, 1), (0, 0, 2))
     probe = world.bring({"type": "probe", "shape": {"sphere": {"radius": 0.001}}, "at": [0, 0, 1]})
+    clip = {"type": "clip_applier", "length": 0.006, "opening": 0.005, "gap": 0.002, "at": [0, 0, 1]}
+    applier = world.bring(clip)
     assert "takes hold in the next frame" in repr(grasp)
     report = world.advance(0.01)
     moment = world.snapshot()
@@ -61,8 +63,8 @@ def test_every_class_says_what_it_is(mesh, scene, tip):
     tied = lobe.World(scene)
     tied.attach("hair", [(0.09, 0.01, 0.01)], [(0.09, 0.01, 0.02)], stiffness=1, strength=1e-9, to_world=True)
     events = tied.advance(0.05).events
-    instances = [world, grasp, cautery, scalpel, probe, report, report.transitions, moment, moment.surface, static,
-                 lobe.compare(mesh, static.u, static.u), proposal, proposal.gestures[0], mesh, scene, world.save(),
+    instances = [world, grasp, cautery, scalpel, probe, applier, report, report.transitions, moment, moment.surface,
+                 static, lobe.compare(mesh, static.u, static.u), proposal, proposal.gestures[0], mesh, scene, world.save(),
                  *conditions[:1], *events[:1]]
     assert {type(instance).__name__ for instance in instances} == set(CLASSES)
     for instance in instances:
@@ -76,3 +78,5 @@ def test_every_class_says_what_it_is(mesh, scene, tip):
     assert "it is on" in repr(scalpel)
     scalpel.release()
     assert "was let go" in repr(scalpel)
+    applier.switch(True)
+    assert "its jaws are closed" in repr(applier) and world.clips == [] and world.carriers == []

@@ -170,8 +170,8 @@ TEST_CASE("pressure is refused in a precomputed region, and with the implicit in
         "follows it: make that part tensor-mass or nonlinear");
   CHECK(faults("{" + pressed + R"(, "time": {"integrator": "implicit"}})")
             .starts_with(
-                "/boundary/1/pressure: a probe, a pressure, a thread, an attachment, a force term or springs "
-                "does not go with"));
+                "/boundary/1/pressure: a probe, a pressure, a thread, an attachment, a clip, a force term or "
+                "springs does not go with"));
 }
 
 TEST_CASE("a precomputed region must be held, and explicit") {

@@ -210,7 +210,7 @@ TEST_CASE("a checkpoint with a right checksum over wrong contents gives a checkp
   CHECK_THROWS_WITH_AS(
       parse_checkpoint<float>("state",
                               io::seal({"lobestaf", 19, "state of a world in single precision"}, contents)),
-      "state: is the state of a world in single precision in version 19; this program knows version 29",
+      "state: is the state of a world in single precision in version 19; this program knows version 30",
       InputError);
   int refused = 0;
   for (std::size_t at = 0; at < contents.size(); ++at)

@@ -41,6 +41,32 @@ SweptVolume swept_volume(const Sweep& sweep) {
           [sweep](const Vec3d& p, const Vec3d& q) { return touches(sweep, p, q); }};
 }
 
+SweptVolume swept_volume(const Sweep& tip, const Vec3d& from, const Vec3d& to) {
+  const double length = std::max(from.norm(), to.norm());
+  const int last = static_cast<int>(std::clamp(std::ceil(length / tip.radius), 1.0, 999.0));
+  std::vector<Sweep> spheres;
+  Eigen::AlignedBox3d box;
+  for (int i = 0; i <= last; ++i) {
+    const double share = double(i) / last;
+    spheres.push_back({tip.from + share * from, tip.to + share * to, tip.radius});
+    box.extend(box_of(spheres.back()));
+  }
+  const auto any_near = [](const std::vector<Sweep>& all, const Eigen::AlignedBox3d& reached,
+                           auto&&... what) {
+    return std::any_of(all.begin(), all.end(), [&](const Sweep& sphere) {
+      return box_of(sphere).intersects(reached) && touches(sphere, what...);
+    });
+  };
+  return {box,
+          [spheres, any_near](const Mat34<double>& x) {
+            return any_near(spheres, {x.rowwise().minCoeff(), x.rowwise().maxCoeff()}, x);
+          },
+          {},
+          [spheres, any_near](const Vec3d& p, const Vec3d& q) {
+            return any_near(spheres, {p.cwiseMin(q), p.cwiseMax(q)}, p, q);
+          }};
+}
+
 std::vector<Index> touched_tets(const Topology& topology, const Mat3X<double>& x, const Sweep& sweep) {
   const Eigen::AlignedBox3d reached = box_of(sweep);
   std::vector<Index> touched;

@@ -1,4 +1,4 @@
-// Cautery: burns away the tetrahedra that a moving sphere touches. [PDA] section 3.2.
+// Cautery: burns away the tetrahedra that a moving sphere or wire touches. [PDA] section 3.2.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -26,6 +26,9 @@ struct SweptVolume {
   std::function<bool(const Vec3d& p, const Vec3d& q)> crosses = {};
 };
 SweptVolume swept_volume(const Sweep& sweep);
+// Of a wire whose tip the sweep is, and which leads from it by `from` at its beginning and by `to` at its end
+// [m]. It burns as spheres would that are a radius apart, at most 1,000 of them.
+SweptVolume swept_volume(const Sweep& tip, const Vec3d& from, const Vec3d& to);
 
 Eigen::AlignedBox3d box_of(const Sweep& sweep);  // [m]
 

@@ -14,9 +14,12 @@ namespace lobe {
 
 struct Event {
   enum class Kind : std::uint8_t {
-    torn,    // tissue, or what attaches it, gave way under a force; size: the area that came apart [m²]
-    broken,  // a thread broke; size: the tension at which it did [N]
-    burnt    // a cautery burnt tissue, which smokes; size: its volume at rest [m³]
+    torn,      // tissue, or what attaches it, gave way under a force; size: the area that came apart [m²]
+    broken,    // a thread broke; size: the tension at which it did [N]
+    burnt,     // a cautery burnt tissue, which smokes; size: its volume at rest [m³]
+    clipped,   // a clip has closed; size: how far apart its legs found the tissue's faces [m]
+    bleeding,  // a body that carries blood is open where it is fed; size: the area of its open faces [m²]
+    leak       // the same of one that carries bile
   };
   Kind kind = Kind::torn;
   double time = 0;                  // [s]
@@ -29,7 +32,7 @@ struct Event {
   static constexpr auto fields =
       std::tuple(&Event::kind, &Event::time, &Event::place, &Event::size, &Event::text);
 };
-inline constexpr const char* event_names[] = {"torn", "broken", "burnt"};
+inline constexpr const char* event_names[] = {"torn", "broken", "burnt", "clipped", "bleeding", "leak"};
 inline const char* name(Event::Kind kind) { return event_names[int(kind)]; }
 
 }  // namespace lobe

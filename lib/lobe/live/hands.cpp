@@ -89,6 +89,7 @@ void Hands<Real>::bring(int controller, const HandCommand& command) {
           hand.turn = brought.pose.orientation;
           warn_of_inside(hand, brought.pose.position);
         }
+        if constexpr (std::is_same_v<decltype(brought), BringClipApplier>) hand.turn = brought.orientation;
       },
       *command.tool);
   hand.tool = tool;

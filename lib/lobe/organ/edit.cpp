@@ -58,6 +58,25 @@ std::vector<AttachmentSetup> attachments_now(const Dynamics<Real>& body, const C
   return found;
 }
 
+// Clips that are left, and bodies that carry something.
+template <class Real>
+void take_clips(const Dynamics<Real>& body, const CompactMesh& c, Setup& setup) {
+  setup.clips.clear();
+  if (const Clips<Real>* clips = term_of<Clips>(body.terms)) setup.clips = clips->as_setup();
+  std::erase_if(setup.clips, [](const ClipSetup& clip) { return clip.pairs.empty(); });
+  for (ClipSetup& clip : setup.clips) {
+    for (ClipSetup::Pair& pair : clip.pairs)
+      for (EmbeddedPoint* end : {&pair.from, &pair.to}) end->tet = c.tet_target[end->tet];
+    std::erase_if(clip.squeezed, [&](Index tet) { return c.tet_target[tet] < 0; });
+    for (Index& tet : clip.squeezed) tet = c.tet_target[tet];
+  }
+  for (CarrierSetup& carrier : setup.carriers) {
+    std::erase_if(carrier.fed, [&](Index vertex) { return c.vertex_target[vertex] < 0; });
+    for (Index& vertex : carrier.fed) vertex = c.vertex_target[vertex];
+  }
+  std::erase_if(setup.carriers, [](const CarrierSetup& carrier) { return carrier.fed.empty(); });
+}
+
 }  // namespace
 
 // ---- Cuts
@@ -168,6 +187,7 @@ Setup Organ<Real>::current_setup(CompactMesh& c) const {
   setup.pressures = pressures_now(body_, c);
   setup.stitches = stitches_now(body_, c);
   setup.attachments = attachments_now(body_, c);
+  take_clips(body_, c, setup);
   setup.cut_frequency = std::sqrt(body_.inertia.floor().square);
   std::erase_if(setup.vertex_loads, [&](const VertexLoad& load) { return c.vertex_target[load.vertex] < 0; });
   for (VertexLoad& load : setup.vertex_loads) load.vertex = c.vertex_target[load.vertex];

@@ -5,6 +5,7 @@
 #include "lobe/contact/contact.h"
 #include "lobe/forces/applied_forces.h"
 #include "lobe/forces/attachments.h"
+#include "lobe/forces/clips.h"
 #include "lobe/forces/pressure.h"
 #include "lobe/forces/threads.h"
 
@@ -30,6 +31,11 @@ std::span<const KindOfTerm<Real>> kinds_of_terms() {
       {Attachments<Real>::term_name,
        [](const Setup& setup) -> Term { return std::make_shared<Attachments<Real>>(setup); },
        [](const Setup& setup, std::span<const ToolBody>) { return !setup.attachments.empty(); }},
+      {Clips<Real>::term_name,
+       [](const Setup& setup) -> Term { return std::make_shared<Clips<Real>>(setup); },
+       [](const Setup& setup, std::span<const ToolBody>) {
+         return !setup.clips.empty() || !setup.carriers.empty();
+       }},
       // The last: it predicts the motion that all other forces give.
       {Threads<Real>::term_name,
        [](const Setup& setup) -> Term { return std::make_shared<Threads<Real>>(setup); },

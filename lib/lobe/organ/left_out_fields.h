@@ -17,6 +17,8 @@ inline constexpr auto left_out<ScalpelSetup> = std::tuple(&ScalpelSetup::name);
 template <>
 inline constexpr auto left_out<ProbeSetup> = std::tuple(&ProbeSetup::name);
 template <>
+inline constexpr auto left_out<ClipApplierSetup> = std::tuple(&ClipApplierSetup::name);
+template <>
 inline constexpr auto left_out<ObstacleSetup> = std::tuple(&ObstacleSetup::name);
 template <>
 inline constexpr auto left_out<StitchSetup> = std::tuple(&StitchSetup::name);

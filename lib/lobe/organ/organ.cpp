@@ -82,6 +82,7 @@ Organ<Real>::Organ(const Setup& setup, int threads, const Progress& progress)
   if (!setup.pressures.empty()) own_term(Pressure<Real>::term_name);
   if (!setup.stitches.empty()) own_term(Threads<Real>::term_name);
   if (!setup.attachments.empty()) own_term(Attachments<Real>::term_name);
+  if (!setup.clips.empty() || !setup.carriers.empty()) own_term(Clips<Real>::term_name);
 }
 
 // ---- State

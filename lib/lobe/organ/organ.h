@@ -18,6 +18,7 @@
 
 #include "lobe/cut/tet_groups.h"
 #include "lobe/forces/attachments.h"
+#include "lobe/forces/clips.h"
 #include "lobe/forces/threads.h"
 #include "lobe/organ/change.h"
 #include "lobe/organ/display.h"
@@ -78,6 +79,7 @@ class Organ {
   Cut cut(const BladeMove& move);
   void incise(const std::vector<Incision>& incisions);  // those that a blade has made in an equal body
   Index burn(const SweptVolume& volume);  // removes the tetrahedra that meet it; returns how many went
+  void close(const ClipClosure& clip);    // on what lies between its legs
   // Before tools burn and cut: what force terms have there, and is no tissue, goes.
   void sever(const SweptVolume& volume);
   void sever(const BladeMove& move);

@@ -24,6 +24,8 @@ const char* name(Condition::Kind kind) {
       return "scalpel";
     case Condition::Kind::lost_force:
       return "lost_force";
+    case Condition::Kind::clip:
+      return "clip";
   }
   return "";
 }

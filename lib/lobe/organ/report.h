@@ -23,11 +23,12 @@ struct Condition {
     pieces,          // a cut set pieces loose. They do what the scene's loose_pieces says
     everything_cut,  // no tetrahedron is left
     unravelling,     // a tangle is linear until it has come back, or is non-linear again. See the text
-    lumped,     // selective masses are lumped while tetrahedra are crushed, or are selective again. Steps
-                // are shorter meanwhile. Nothing to do
-    scalpel,    // a blade could not cut all that it met, is shorter than the tetrahedra there, or went far in
-                // a frame. See the text
-    lost_force  // a force term acts where it has no effect. See the text
+    lumped,   // selective masses are lumped while tetrahedra are crushed, or are selective again. Steps
+              // are shorter meanwhile. Nothing to do
+    scalpel,  // a blade could not cut all that it met, is shorter than the tetrahedra there, or went far in
+              // a frame. See the text
+    lost_force,  // a force term acts where it has no effect. See the text
+    clip         // a clip has closed on nothing. See the text
   };
   Kind kind;
   std::string text;  // one line for people: place, figures, remedy
@@ -77,6 +78,6 @@ struct Report {
   Transitions transitions;                    // of reduced regions, since the last report
   std::array<double, phase_count> seconds{};  // of wall time per phase
   std::vector<Condition> conditions;
-  std::vector<Event> events;  // what tore, broke and burnt in it
+  std::vector<Event> events;  // what tore, broke, burnt, was clipped, bleeds and leaks in it
 };
 }  // namespace lobe

@@ -67,6 +67,17 @@ void add_attachments(World<Real>& world, Json& state) {
 }
 
 template <class Real>
+void add_clips(World<Real>& world, Json& state) {
+  for (const ClipFigures& of : clip_figures(world))
+    state["clips"].push_back(
+        {{"name", of.name}, {"pairs", of.pairs}, {"apart", of.apart}, {"force", of.force}});
+  for (const CarrierFigures& of : carrier_figures(world))
+    state["carriers"].push_back({{"body", world.elements().bodies.names[std::size_t(of.body)]},
+                                 {"carries", carries_names[std::size_t(of.carries)]},
+                                 {"open", of.open}});
+}
+
+template <class Real>
 Json state_json(World<Real>& world) {
   const Energies e = world.energies();
   Json state{{"time", world.time()},
@@ -95,6 +106,7 @@ Json state_json(World<Real>& world) {
     state["tools"].push_back(
         {{"name", tool.name}, {"position", array(tool.position)}, {"force", array(tool.force)}});
   add_attachments(world, state);
+  add_clips(world, state);
   return state;
 }
 

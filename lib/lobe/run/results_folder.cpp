@@ -18,8 +18,9 @@ bool is_numbered(const std::string& file, const std::string& prefix, const std::
 bool is_result(const std::string& file) {
   return is_numbered(file, "frame_", ".vtu") || is_numbered(file, "picture_", ".png") ||
          is_numbered(file, "threads_", ".vtp") || is_numbered(file, "attachments_", ".vtp") ||
-         file == "report.json" || file == "series.pvd" || file == "threads.pvd" ||
-         file == "attachments.pvd" || file == "pictures.json";
+         is_numbered(file, "clips_", ".vtp") || file == "clips.pvd" || file == "report.json" ||
+         file == "series.pvd" || file == "threads.pvd" || file == "attachments.pvd" ||
+         file == "pictures.json";
 }
 
 }  // namespace

@@ -1,5 +1,7 @@
+#include <Eigen/Geometry>
 #include <algorithm>
 
+#include "lobe/scene/read_selector.h"
 #include "lobe/scene/tool_kinds.h"
 
 namespace lobe {
@@ -35,7 +37,7 @@ double reach_of(const Scene& scene, const TetMesh& mesh) {
 
 bool passes_near(const Tool& tool, const TetMesh& mesh, double reach) {
   const Box box = bounding_box(mesh);
-  const double margin = tool.radius + reach;
+  const double margin = tool.radius + tool.hook.norm() + reach;
   const Vec3d low = box.min.array() - margin, high = box.max.array() + margin;
   for (std::size_t i = 0; i < tool.path.size(); ++i) {
     const std::size_t next = std::min(i + 1, tool.path.size() - 1);
@@ -44,24 +46,32 @@ bool passes_near(const Tool& tool, const TetMesh& mesh, double reach) {
   return false;
 }
 
-void read_cautery(const nlohmann::json& entry, Tool& tool) { tool.radius = entry["radius"]; }
+void read_cautery(const nlohmann::json& entry, Tool& tool) {
+  tool.radius = entry["radius"];
+  if (entry.contains("hook")) tool.hook = read_vector(entry["hook"]);
+}
 
-bool read_cautery_row(const nlohmann::json& row, Tool&) { return row.size() == 4; }
-
-void write_cautery(const Tool& tool, nlohmann::ordered_json& entry) { entry["radius"] = tool.radius; }
+void write_cautery(const Tool& tool, nlohmann::ordered_json& entry) {
+  write_turns(tool, entry["path"]);
+  entry["radius"] = tool.radius;
+  if (tool.hook != Vec3d::Zero()) entry["hook"] = {tool.hook[0], tool.hook[1], tool.hook[2]};
+}
 
 void resolve_cautery(Resolution& resolution, const Tool& tool, const std::string& here) {
-  resolution.result.setup.cauteries.push_back({tool.name, tool.radius, tool.path});
+  resolution.result.setup.cauteries.push_back({tool.name, tool.radius, tool.path, tool.hook});
   if (!passes_near(tool, resolution.mesh(), reach_of(resolution.scene, resolution.mesh())))
     resolution.warn(here + "/path", "never comes within its radius of the mesh's bounding box");
 }
 
 BringTool bring_cautery(Resolution&, const Tool& tool, const std::string&) {
-  return BringCautery{tool.name, tool.radius, tool.path.front().position};
+  const PathPoint& at = tool.path.front();
+  return BringCautery{tool.name, tool.radius, at.position, Eigen::Quaterniond(at.orientation) * tool.hook};
 }
 
 void summarise_cautery(const Setup& setup, std::size_t number, nlohmann::ordered_json& entry) {
-  entry["radius_m"] = setup.cauteries[number].radius;
+  const CauterySetup& cautery = setup.cauteries[number];
+  entry["radius_m"] = cautery.radius;
+  if (cautery.hook != Vec3d::Zero()) entry["hook_m"] = cautery.hook.norm();
 }
 
 void append_cauteries(const ToolSetups& done, Index, std::vector<Tool>& tools) {
@@ -70,6 +80,7 @@ void append_cauteries(const ToolSetups& done, Index, std::vector<Tool>& tools) {
     tool.name = cautery.name;
     tool.type = CauterySetup::type;
     tool.radius = cautery.radius;
+    tool.hook = cautery.hook;
     tool.path = cautery.path;
   }
 }
@@ -77,10 +88,11 @@ void append_cauteries(const ToolSetups& done, Index, std::vector<Tool>& tools) {
 }  // namespace
 
 extern const ToolKind cautery_kind;
-const ToolKind cautery_kind{CauterySetup::type, "4 numbers: time and place of the tip",
-                            read_cautery,       read_cautery_row,
-                            write_cautery,      resolve_cautery,
-                            bring_cautery,      summarise_cautery,
-                            append_cauteries};
+const ToolKind cautery_kind{
+    CauterySetup::type, "4 numbers, time and place of the tip, or 8 with a quaternion",
+    read_cautery,       read_turning_row,
+    write_cautery,      resolve_cautery,
+    bring_cautery,      summarise_cautery,
+    append_cauteries};
 
 }  // namespace lobe

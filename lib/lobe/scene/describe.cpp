@@ -47,6 +47,8 @@ ordered_json summarise_bodies(const Scene& scene, const Setup& setup) {
                     {"mass_kg", body.mass},
                     {"box_min_m", vector_json(box.min)},
                     {"box_max_m", vector_json(box.max)}});
+    if (at < scene.bodies.size() && scene.bodies[at].carries != Carries::nothing)
+      list.back()["carries"] = carries_names[std::size_t(scene.bodies[at].carries)];
   }
   return list;
 }
@@ -245,7 +247,8 @@ void print_bodies(std::ostream& out, const ordered_json& summary) {
     out << "body       " << body["name"].get<std::string>() << ": " << body["file"].get<std::string>() << ", "
         << body["tetrahedra"] << " tetrahedra, " << rounded(body["volume_m3"]) << " m³, "
         << rounded(body["mass_kg"]) << " kg, " << triple(body["box_min_m"]) << " to "
-        << triple(body["box_max_m"]) << " m\n";
+        << triple(body["box_max_m"]) << " m"
+        << (body.contains("carries") ? ", carries " + body["carries"].get<std::string>() : "") << "\n";
 }
 
 void print_regions(std::ostream& out, const ordered_json& regions) {
@@ -317,8 +320,13 @@ void print_tools(std::ostream& out, const ordered_json& tools) {
       out << tool["shape"].get<std::string>() << ", friction " << rounded(tool["friction"]) << "\n";
     } else if (tool.contains("snap")) {
       out << (tool["surface"] == "faces" ? "along faces" : "snap " + rounded(tool["snap"])) << "\n";
+    } else if (tool.contains("clips")) {
+      out << counted(tool["clips"].get<std::size_t>(), "clip", "clips") << " of " << rounded(tool["length_m"])
+          << " m, from " << rounded(tool["opening_m"]) << " to " << rounded(tool["gap_m"]) << " m\n";
     } else {
-      out << "radius " << rounded(tool["radius_m"]) << " m\n";
+      out << "radius " << rounded(tool["radius_m"]) << " m";
+      if (tool.contains("hook_m")) out << ", a hook of " << rounded(tool["hook_m"]) << " m";
+      out << "\n";
     }
   }
 }

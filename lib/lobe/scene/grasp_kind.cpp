@@ -12,17 +12,8 @@ void read_grasp(const nlohmann::json& entry, Tool& tool) {
   tool.release = entry.value("release", tool.release);
 }
 
-bool read_grasp_row(const nlohmann::json& row, Tool& tool) {
-  if (row.size() == 8)
-    for (int i = 0; i < 4; ++i) tool.path.back().orientation[i] = row[std::size_t(4 + i)].get<double>();
-  return row.size() == 4 || row.size() == 8;
-}
-
 void write_grasp(const Tool& tool, nlohmann::ordered_json& entry) {
-  nlohmann::ordered_json& path = entry["path"];
-  for (std::size_t i = 0; i < path.size(); ++i)
-    if (const Eigen::Vector4d& q = tool.path[i].orientation; q != PathPoint().orientation)
-      path[i].insert(path[i].end(), {q[0], q[1], q[2], q[3]});
+  write_turns(tool, entry["path"]);
   if (!tool.copies.empty()) entry["copies"] = tool.copies;
   entry["release"] = tool.release;
 }
@@ -106,7 +97,7 @@ void append_grasps(const ToolSetups& done, Index mesh_vertices, std::vector<Tool
 
 extern const ToolKind grasp_kind;
 const ToolKind grasp_kind{GraspSetup::type, "4 numbers, or 8 with a quaternion",
-                          read_grasp,       read_grasp_row,
+                          read_grasp,       read_turning_row,
                           write_grasp,      resolve_grasp,
                           nullptr,          summarise_grasp,
                           append_grasps};

@@ -1,5 +1,6 @@
 #include "lobe/scene/read_scene.h"
 
+#include <algorithm>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
@@ -47,6 +48,9 @@ SceneBody read_body(const json& entry, const std::string&) {
   read(entry, "mesh_scale", body.mesh_scale);
   if (entry.contains("position")) body.position = read_vector(entry["position"]);
   read_orientation(entry, body.orientation);
+  const std::string carries = entry.value("carries", "nothing");
+  const auto place = std::find(carries_names.begin(), carries_names.end(), carries);
+  body.carries = Carries(place - carries_names.begin());
   return body;
 }
 

@@ -248,6 +248,7 @@ Resolved resolve(const Scene& scene, TetMesh mesh, const ResolveOptions& options
   if (resolution.faults.empty()) resolve_fibres(resolution);
   resolve_regions(resolution);
   resolve_boundary(resolution);
+  resolve_carriers(resolution);
   resolve_tools(resolution);
   resolve_contact(resolution);
   resolve_threads(resolution);

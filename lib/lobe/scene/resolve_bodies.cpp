@@ -36,6 +36,32 @@ void check_bodies(Resolution& resolution) {
   }
 }
 
+// A body that carries something is fed where the scene holds it.
+void resolve_carriers(Resolution& resolution) {
+  Setup& setup = resolution.result.setup;
+  const std::vector<SceneBody>& bodies = resolution.scene.bodies;
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    if (bodies[i].carries == Carries::nothing) continue;
+    std::vector<char> is_of(std::size_t(setup.mesh.vertex_count()), 0);
+    for (Index t = 0; t < setup.mesh.tet_count(); ++t)
+      if (setup.mesh.bodies.body_of(t) == int(i))
+        for (const Index v : setup.mesh.tets.col(t)) is_of[std::size_t(v)] = 1;
+    CarrierSetup carrier{int(i), bodies[i].carries, {}};
+    for (const PrescribedVertex& held : setup.prescribed)
+      if (is_of[std::size_t(held.vertex)]) carrier.fed.push_back(held.vertex);
+    for (const PartlyHeldVertex& held : setup.partly_held)
+      if (is_of[std::size_t(held.vertex)]) carrier.fed.push_back(held.vertex);
+    if (!carrier.fed.empty()) {
+      setup.carriers.push_back(std::move(carrier));
+      continue;
+    }
+    resolution.fail("/bodies/" + std::to_string(i) + "/carries",
+                    std::string(carries_names[std::size_t(bodies[i].carries)]) +
+                        " comes in where a body is held, and \"" + bodies[i].name +
+                        "\" is held nowhere: hold its end that is fed by a \"fix\" of /boundary");
+  }
+}
+
 void warn_of_bodies(Resolution& resolution) {
   if (resolution.mesh().bodies.count() > 1 && !resolution.scene.contact.self)
     resolution.warn("/contact/self", "is false, so that the bodies do not feel each other");

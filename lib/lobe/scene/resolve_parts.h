@@ -48,6 +48,7 @@ inline constexpr double locks_above = 0.45;
 Options options_of(const Scene& scene);  // that it asks for
 void refuse_excluded_options(Resolution& resolution);
 void check_bodies(Resolution& resolution);
+void resolve_carriers(Resolution& resolution);
 void warn_of_bodies(Resolution& resolution);
 void resolve_materials(Resolution& resolution);
 void resolve_fibres(Resolution& resolution);

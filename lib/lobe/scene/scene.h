@@ -100,6 +100,7 @@ struct SceneBody {
   double mesh_scale = 1;
   Vec3d position = Vec3d::Zero();           // [m]
   Eigen::Vector4d orientation{0, 0, 0, 1};  // unit quaternion x, y, z, w
+  Carries carries = Carries::nothing;       // what comes in where it is held
 };
 
 struct Material {
@@ -177,6 +178,8 @@ struct Tool {
   HoldBy hold_by = HoldBy::vertices;    // grasp
   std::vector<Index> copies;   // grasp: vertices that earlier cuts make, numbered after those of the mesh
   double radius = 0;           // cautery: of its spherical tip [m]
+  Vec3d hook = Vec3d::Zero();  // cautery: from its tip to the end of its hook [m]; zero: it has none
+  ClipShape clip;              // clip applier
   double snap = 0.1;           // scalpel: a vertex nearer to the cut than this share of its edges lies on it
   std::vector<Vec3d> heels;    // scalpel: one for each row of its path [m]
   std::optional<Vec3d> blade;  // scalpel: from tip to heel, where the file says it once [m]

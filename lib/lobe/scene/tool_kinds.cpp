@@ -5,13 +5,25 @@
 
 namespace lobe {
 
-extern const ToolKind grasp_kind, cautery_kind, scalpel_kind, probe_kind;
+extern const ToolKind grasp_kind, cautery_kind, scalpel_kind, probe_kind, clip_applier_kind;
 
 namespace {
 
-constexpr std::array kinds{&grasp_kind, &cautery_kind, &scalpel_kind, &probe_kind};
+constexpr std::array kinds{&grasp_kind, &cautery_kind, &scalpel_kind, &probe_kind, &clip_applier_kind};
 
 }  // namespace
+
+bool read_turning_row(const nlohmann::json& row, Tool& tool) {
+  if (row.size() == 8)
+    for (int i = 0; i < 4; ++i) tool.path.back().orientation[i] = row[std::size_t(4 + i)].get<double>();
+  return row.size() == 4 || row.size() == 8;
+}
+
+void write_turns(const Tool& tool, nlohmann::ordered_json& path) {
+  for (std::size_t i = 0; i < path.size(); ++i)
+    if (const Eigen::Vector4d& q = tool.path[i].orientation; q != PathPoint().orientation)
+      path[i].insert(path[i].end(), {q[0], q[1], q[2], q[3]});
+}
 
 const ToolKind& kind_of(const Tool& tool) {
   const auto at =

@@ -83,11 +83,13 @@ struct FibreWriter {
 ordered_json write_quaternion(const Eigen::Vector4d& q) { return {q[0], q[1], q[2], q[3]}; }
 
 ordered_json write(const SceneBody& body) {
-  return {{"name", body.name},
-          {"mesh", utf8(body.mesh)},
-          {"mesh_scale", body.mesh_scale},
-          {"position", vector_json(body.position)},
-          {"orientation", write_quaternion(body.orientation)}};
+  ordered_json entry = {{"name", body.name},
+                        {"mesh", utf8(body.mesh)},
+                        {"mesh_scale", body.mesh_scale},
+                        {"position", vector_json(body.position)},
+                        {"orientation", write_quaternion(body.orientation)}};
+  if (body.carries != Carries::nothing) entry["carries"] = carries_names[std::size_t(body.carries)];
+  return entry;
 }
 
 ordered_json write(const Material& material) {

@@ -38,6 +38,7 @@ class Checker {
   void check_tools();
   void check_stitches(const Expect& told);
   void check_attachments(const Expect& told);
+  void check_clips(const Expect& told);
   void check_exclusions(Options used);
 
   void finish() {
@@ -178,6 +179,28 @@ void Checker::check_tools() {
   setup_.contact.check(told);
   check_stitches(told);
   check_attachments(told);
+  check_clips(told);
+}
+
+void Checker::check_clips(const Expect& told) {
+  for (const ClipSetup& clip : setup_.clips) {
+    clip.check(told);
+    expect(std::all_of(
+               clip.pairs.begin(), clip.pairs.end(),
+               [&](const ClipSetup::Pair& pair) { return is_tet(pair.from.tet) && is_tet(pair.to.tet); }) &&
+               std::all_of(clip.squeezed.begin(), clip.squeezed.end(), [&](Index t) { return is_tet(t); }),
+           "clip \"" + clip.name + "\" names a tetrahedron that there is not");
+  }
+  std::set<int> bodies;
+  for (const CarrierSetup& carrier : setup_.carriers) {
+    const bool is_body = carrier.body >= 0 && std::size_t(carrier.body) < setup_.mesh.bodies.names.size();
+    expect(is_body, "there is no body " + std::to_string(carrier.body) + " that could carry something");
+    expect(bodies.insert(carrier.body).second,
+           "body " + std::to_string(carrier.body) + " carries something twice");
+    expect(!carrier.fed.empty() &&
+               std::all_of(carrier.fed.begin(), carrier.fed.end(), [&](Index v) { return is_vertex(v); }),
+           "a body that carries something needs vertices of the mesh at which it comes in");
+  }
 }
 
 void Checker::check_attachments(const Expect& told) {

@@ -93,7 +93,7 @@ std::string name(Option option) {
     case Option::selective_mass:
       return "\"selective_mass\"";
     case Option::force_terms:
-      return "a probe, a pressure, a thread, an attachment, a force term or springs";
+      return "a probe, a pressure, a thread, an attachment, a clip, a force term or springs";
     case Option::implicit:
       return "\"integrator\": \"implicit\"";
     case Option::single_precision:
@@ -128,7 +128,8 @@ Options options_of(const Setup& setup) {
   used.add(Option::sleep, setup.sleep > 0);
   used.add(Option::selective_mass, setup.selective_mass > 1);
   used.add(Option::force_terms, !setup.probes.empty() || setup.contact.is_on() || !setup.pressures.empty() ||
-                                    !setup.stitches.empty() || !setup.attachments.empty());
+                                    !setup.stitches.empty() || !setup.attachments.empty() ||
+                                    !setup.clip_appliers.empty() || !setup.clips.empty());
   used.add(Option::partly_held, any_partly_held(setup));
   used.add(Option::implicit, setup.integrator == Integrator::generalised_alpha);
   return used;

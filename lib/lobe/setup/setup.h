@@ -102,6 +102,8 @@ struct Setup : Body, ToolSetups {
   ContactSetup contact;
   std::vector<StitchSetup> stitches;
   std::vector<AttachmentSetup> attachments;
+  std::vector<ClipSetup> clips;  // that were closed before
+  std::vector<CarrierSetup> carriers;
 
   // What decides how a world moves, for fingerprint(): no names.
   static constexpr auto fields = std::tuple_cat(
@@ -111,7 +113,7 @@ struct Setup : Body, ToolSetups {
                  &Setup::safety, &Setup::cut_step, &Setup::cut_frequency, &Setup::selective_mass,
                  &Setup::integrator, &Setup::implicit_step, &Setup::spectral_radius, &Setup::ramp,
                  &Setup::load_ramp, &Setup::sleep, &Setup::lattice_cell, &Setup::expandable, &Setup::contact,
-                 &Setup::stitches, &Setup::attachments),
+                 &Setup::stitches, &Setup::attachments, &Setup::clips, &Setup::carriers),
       ToolSetups::fields);
 };
 

@@ -47,6 +47,7 @@ bool GraspSetup::any_partly() const {
 void CauterySetup::check(const Expect& expect) const {
   check_path(*this, expect);
   expect(std::isfinite(radius) && radius > 0, called(*this) + " needs a radius above 0");
+  expect(hook.allFinite(), called(*this) + " needs a finite hook");
 }
 
 void ScalpelSetup::check(const Expect& expect) const {
@@ -64,6 +65,12 @@ void ProbeSetup::check(const Expect& expect) const {
   shape.check(expect, called(*this));
   expect(std::isfinite(friction) && friction >= 0,
          called(*this) + " needs a friction of at least 0, and finite");
+}
+
+void ClipApplierSetup::check(const Expect& expect) const {
+  check_path(*this, expect);
+  const std::string fault = clip.fault();
+  expect(fault.empty(), called(*this) + " " + fault);
 }
 
 }  // namespace lobe

@@ -5,6 +5,7 @@
 #include <tuple>
 #include <vector>
 
+#include "lobe/setup/clip_setup.h"
 #include "lobe/setup/rigid_shape.h"
 
 namespace lobe {
@@ -41,9 +42,11 @@ struct CauterySetup {
   static constexpr const char* type = "cautery";
   std::string name;
   double radius = 0;            // [m]
-  std::vector<PathPoint> path;  // positions of the tip
+  std::vector<PathPoint> path;  // positions of the tip, and turns of the hook
+  // From its tip to the end of a hook, which burns all along [m], before it turns; zero: it has none.
+  Vec3d hook = Vec3d::Zero();
   void check(const Expect& expect) const;
-  static constexpr auto fields = std::tuple(&CauterySetup::radius, &CauterySetup::path);
+  static constexpr auto fields = std::tuple(&CauterySetup::radius, &CauterySetup::path, &CauterySetup::hook);
 };
 
 struct ScalpelSetup {
@@ -73,13 +76,25 @@ struct ProbeSetup {
       std::tuple(&ProbeSetup::shape, &ProbeSetup::friction, &ProbeSetup::path, &ProbeSetup::release);
 };
 
+// Closes a clip at each row of its path.
+struct ClipApplierSetup {
+  static constexpr const char* type = "clip_applier";
+  std::string name;
+  ClipShape clip;
+  std::vector<PathPoint> path;  // where and when a clip closes, and how it is turned
+  void check(const Expect& expect) const;
+  static constexpr auto fields = std::tuple(&ClipApplierSetup::clip, &ClipApplierSetup::path);
+};
+
 struct ToolSetups {
   std::vector<GraspSetup> grasps;
   std::vector<CauterySetup> cauteries;
   std::vector<ScalpelSetup> scalpels;
   std::vector<ProbeSetup> probes;
+  std::vector<ClipApplierSetup> clip_appliers;
   static constexpr auto fields =
-      std::tuple(&ToolSetups::grasps, &ToolSetups::cauteries, &ToolSetups::scalpels, &ToolSetups::probes);
+      std::tuple(&ToolSetups::grasps, &ToolSetups::cauteries, &ToolSetups::scalpels, &ToolSetups::probes,
+                 &ToolSetups::clip_appliers);
 };
 
 // Calls visit(list) for the list of each kind of tool, of ToolSetups or ToolLists (tool/tool_lists.h).

@@ -14,7 +14,7 @@ namespace lobe {
 namespace {
 
 template <class Real>
-constexpr io::Format format{std::is_same_v<Real, float> ? "lobestaf" : "lobestad", 29,
+constexpr io::Format format{std::is_same_v<Real, float> ? "lobestaf" : "lobestad", 30,
                             std::is_same_v<Real, float> ? "state of a world in single precision"
                                                         : "state of a world in double precision"};
 

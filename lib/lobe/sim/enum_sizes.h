@@ -16,6 +16,6 @@ inline constexpr int enum_size<RigidShape::Kind> = 1 + int(RigidShape::Kind::mes
 template <>
 inline constexpr int enum_size<Grasp::Phase> = 1 + int(Grasp::Phase::released);
 template <>
-inline constexpr int enum_size<Condition::Kind> = 1 + int(Condition::Kind::lost_force);
+inline constexpr int enum_size<Condition::Kind> = 1 + int(Condition::Kind::clip);
 
 }  // namespace lobe::io

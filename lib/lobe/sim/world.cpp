@@ -210,6 +210,21 @@ std::vector<AttachmentFigures> attachment_figures(World<Real>& world) {
   return attachments->figures(body.here());
 }
 
+template <class Real>
+std::vector<ClipFigures> clip_figures(World<Real>& world) {
+  Dynamics<Real>& body = world.body();
+  const Clips<Real>* clips = term_of<Clips>(body.terms);
+  if (!clips) return {};
+  body.recover_followers();
+  return clips->figures(body.here());
+}
+
+template <class Real>
+std::vector<CarrierFigures> carrier_figures(World<Real>& world) {
+  const Clips<Real>* clips = term_of<Clips>(world.body().terms);
+  return clips ? clips->carriers() : std::vector<CarrierFigures>{};
+}
+
 // ---- For observers
 
 template <class Real>
@@ -233,6 +248,10 @@ template std::vector<TermLines> term_lines(World<float>&);
 template std::vector<TermLines> term_lines(World<double>&);
 template std::vector<AttachmentFigures> attachment_figures(World<float>&);
 template std::vector<AttachmentFigures> attachment_figures(World<double>&);
+template std::vector<ClipFigures> clip_figures(World<float>&);
+template std::vector<ClipFigures> clip_figures(World<double>&);
+template std::vector<CarrierFigures> carrier_figures(World<float>&);
+template std::vector<CarrierFigures> carrier_figures(World<double>&);
 template class World<float>;
 template class World<double>;
 

@@ -169,6 +169,12 @@ std::vector<TermLines> term_lines(World<Real>& world);
 // The attachments of a world, also those of which nothing is left; none: it has none.
 template <class Real>
 std::vector<AttachmentFigures> attachment_figures(World<Real>& world);
+// The clips that were closed, those that have fallen off included.
+template <class Real>
+std::vector<ClipFigures> clip_figures(World<Real>& world);
+// The bodies that carry blood or bile, as they were when the last frame began its steps.
+template <class Real>
+std::vector<CarrierFigures> carrier_figures(World<Real>& world);
 
 extern template class World<float>;
 extern template class World<double>;

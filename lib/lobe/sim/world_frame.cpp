@@ -290,6 +290,7 @@ void World<Real>::play_tools(double duration, Report& report) {
   if (tools_.update_grasps(time(), now, displacement, position, exists))
     report.tets_removed += organ_.grasp(now);
   const ToolWork work = tools_.work(time(), time() + duration);
+  for (const ClipClosure& clip : work.clips) organ_.close(clip);
   for (const SweptVolume& volume : work.burnt) {
     organ_.sever(volume);
     report.tets_removed += organ_.burn(volume);

@@ -12,6 +12,7 @@ void BringCautery::check(Index, const Options&) const {
   if (!(radius > 0) || !std::isfinite(radius))
     throw InputError("cautery", "needs a radius above 0 m, and finite");
   if (!position.allFinite()) throw InputError("cautery", "needs a finite position");
+  if (!hook.allFinite()) throw InputError("cautery", "needs a finite hook");
 }
 
 void Cautery::turn_on(bool on) {
@@ -32,20 +33,24 @@ void Cautery::settle() {
 
 void Cautery::begin_frame(double time, double end) {
   if (!is_live) return;
-  const Vec3d from = position;
-  position = std::exchange(target, std::nullopt).value_or(from);
+  const ToolPose from = pose;
+  if (const auto to = std::exchange(target, std::nullopt)) pose = *to;
   if (!burns) return;
   GrowingPath& stroke = strokes.back();
   stroke.forget_after(time);
-  if (stroke.empty()) stroke.push_back({start_of_stroke(time), from});
-  stroke.push_back({end, position});
+  if (stroke.empty()) stroke.push_back({start_of_stroke(time), from.position, from.orientation});
+  stroke.push_back({end, pose.position, pose.orientation});
 }
 
 std::vector<CauterySetup> Cautery::paths() const {
   std::vector<CauterySetup> paths;
   for (const GrowingPath& stroke : strokes)
-    if (!stroke.empty()) paths.push_back({name, radius, stroke.all()});
+    if (!stroke.empty()) paths.push_back({name, radius, stroke.all(), hook});
   return paths;
+}
+
+Vec3d Cautery::wire_at(const Eigen::Vector4d& orientation) const {
+  return Eigen::Quaterniond(orientation) * hook;
 }
 
 void Cautery::add_work(double from, double to, ToolWork& work) const {
@@ -54,26 +59,39 @@ void Cautery::add_work(double from, double to, ToolWork& work) const {
     const std::vector<PathPoint>& path = stroke.recent();
     const double begin = std::max(from, path.front().time), end = std::min(to, path.back().time);
     if (begin > end) continue;
-    Vec3d tip = path_at(path, begin);
-    for (auto point = after(path, begin); point != path.end() && point->time < end; ++point) {
-      work.burnt.push_back(swept_volume({tip, point->position, radius}));
-      tip = point->position;
-    }
-    work.burnt.push_back(swept_volume({tip, path_at(path, end), radius}));
+    auto sweep_to = [&, tip = path_at(path, begin),
+                     wire = wire_at(orientation_at(path, begin))](double time) mutable {
+      const Vec3d next = path_at(path, time);
+      if (hook.isZero(0)) {
+        work.burnt.push_back(swept_volume({tip, next, radius}));
+      } else {
+        const Vec3d turned = wire_at(orientation_at(path, time));
+        work.burnt.push_back(swept_volume({tip, next, radius}, wire, turned));
+        wire = turned;
+      }
+      tip = next;
+    };
+    for (auto point = after(path, begin); point != path.end() && point->time < end; ++point)
+      sweep_to(point->time);
+    sweep_to(end);
   }
 }
 
 std::optional<PlacedTool> Cautery::placed(double time, const HeldPoints&) const {
   const bool is_on_path = !strokes.empty() && acts_at(time, strokes.back().recent());
   if ((!is_live || is_away) && !is_on_path) return std::nullopt;
+  const ToolPose now = is_live ? pose
+                               : ToolPose{path_at(strokes.back().recent(), time),
+                                          orientation_at(strokes.back().recent(), time)};
   return PlacedTool{.name = name,
                     .type = Path::type,
-                    .position = is_live ? position : path_at(strokes.back().recent(), time),
-                    .shape = shape()};
+                    .position = now.position,
+                    .shape = {.radius = radius, .blade = wire_at(now.orientation)},
+                    .orientation = now.orientation};
 }
 
 bool Cautery::fits(Index) const {
-  return radius > 0 && position.allFinite() && !(burns && strokes.empty()) &&
+  return radius > 0 && hook.allFinite() && pose.position.allFinite() && !(burns && strokes.empty()) &&
          std::all_of(strokes.begin(), strokes.end(),
                      [](const GrowingPath& stroke) { return is_path(stroke.all()); });
 }

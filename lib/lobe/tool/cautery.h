@@ -1,4 +1,4 @@
-// A cautery burns away the tetrahedra that its spherical tip touches.
+// A cautery burns away the tetrahedra that its spherical tip touches, or its hook: a wire from the tip on.
 #pragma once
 
 #include "lobe/tool/growing_path.h"
@@ -6,16 +6,17 @@
 
 namespace lobe {
 
-// Adds a spherical cautery at a position, switched off. Its id is what tools().next_id() says before.
+// Adds a cautery at a position, switched off. Its id is what tools().next_id() says before.
 struct BringCautery {
   static constexpr bool needs_grains = false;
   std::string name;
-  double radius = 0;               // [m], > 0
+  double radius = 0;               // of its tip and of its hook [m], > 0
   Vec3d position = Vec3d::Zero();  // of its tip [m]
+  Vec3d hook = Vec3d::Zero();      // from its tip to the end of the hook [m]; zero: it has none
   void check(Index vertex_count, const Options& used) const;
   bool operator==(const BringCautery&) const = default;
   static constexpr auto fields =
-      std::tuple(&BringCautery::name, &BringCautery::radius, &BringCautery::position);
+      std::tuple(&BringCautery::name, &BringCautery::radius, &BringCautery::position, &BringCautery::hook);
 };
 
 struct Cautery {
@@ -26,34 +27,41 @@ struct Cautery {
   double radius = 0;  // of its spherical tip [m]
   // Positions of its tip [m], one list for each time it was on; the last is the present one.
   std::vector<GrowingPath> strokes;
-  bool is_live = false;              // brought by a command and led by hand; others follow a scene
-  bool burns = false;                // whether it is on; always false in a tool that is not live
-  bool is_away = false;              // of live ones: it was taken away
-  Vec3d position = Vec3d::Zero();    // of a live one [m]
-  std::optional<Vec3d> target = {};  // at the end of the next frame
+  bool is_live = false;                 // brought by a command and led by hand; others follow a scene
+  bool burns = false;                   // whether it is on; always false in a tool that is not live
+  bool is_away = false;                 // of live ones: it was taken away
+  Vec3d hook = Vec3d::Zero();           // from its tip to the end of the hook [m], before it turns
+  ToolPose pose;                        // of a live one
+  std::optional<ToolPose> target = {};  // at the end of the next frame
 
   Cautery() = default;
-  explicit Cautery(const CauterySetup& setup) : name(setup.name), radius(setup.radius), strokes{setup.path} {}
+  explicit Cautery(const CauterySetup& setup)
+      : name(setup.name), radius(setup.radius), strokes{setup.path}, hook(setup.hook) {}
   explicit Cautery(const BringCautery& command)
-      : name(command.name), radius(command.radius), is_live(true), position(command.position) {}
+      : name(command.name),
+        radius(command.radius),
+        is_live(true),
+        hook(command.hook),
+        pose{command.position} {}
 
-  void lead(const ToolPose& to) { target = to.position; }
+  void lead(const ToolPose& to) { target = to; }
   void let_go() { burns = false, is_away = true; }
   bool has_gone() const { return is_away; }
   bool has_ended(double time) const;
   void settle();
   void turn_on(bool on);
   bool is_on() const { return burns; }
-  ToolShape shape() const { return {.radius = radius}; }
+  ToolShape shape() const { return {.radius = radius, .blade = hook}; }
   void begin_frame(double time, double end);
   std::vector<CauterySetup> paths() const;
   void add_work(double from, double to, ToolWork& work) const;
   std::optional<PlacedTool> placed(double time, const HeldPoints& held) const;  // none: it is nowhere
   bool fits(Index vertex_count) const;
+  Vec3d wire_at(const Eigen::Vector4d& orientation) const;  // from its tip to the end of its hook [m]
 
   static constexpr auto fields =
       std::tuple(&Cautery::id, &Cautery::name, &Cautery::radius, &Cautery::strokes, &Cautery::is_live,
-                 &Cautery::burns, &Cautery::is_away, &Cautery::position, &Cautery::target);
+                 &Cautery::burns, &Cautery::is_away, &Cautery::hook, &Cautery::pose, &Cautery::target);
 };
 
 }  // namespace lobe

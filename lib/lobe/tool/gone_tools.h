@@ -37,7 +37,9 @@ class GoneTools {
   static std::size_t unshared_bytes() { return 0; }
 
  private:
-  std::tuple<SharedChain<Grasp>, SharedChain<Cautery>, SharedChain<Scalpel>, SharedChain<Probe>> chains_;
+  std::tuple<SharedChain<Grasp>, SharedChain<Cautery>, SharedChain<Scalpel>, SharedChain<Probe>,
+             SharedChain<ClipApplier>>
+      chains_;
 };
 
 }  // namespace lobe

@@ -21,6 +21,7 @@
 #include <variant>
 
 #include "lobe/tool/cautery.h"
+#include "lobe/tool/clip_applier.h"
 #include "lobe/tool/grasp.h"
 #include "lobe/tool/probe.h"
 #include "lobe/tool/scalpel.h"
@@ -32,19 +33,21 @@ struct ToolLists {
   std::vector<Cautery> cauteries;
   std::vector<Scalpel> scalpels;
   std::vector<Probe> probes;
-  static constexpr auto fields =
-      std::tuple(&ToolLists::grasps, &ToolLists::cauteries, &ToolLists::scalpels, &ToolLists::probes);
+  std::vector<ClipApplier> clip_appliers;
+  static constexpr auto fields = std::tuple(&ToolLists::grasps, &ToolLists::cauteries, &ToolLists::scalpels,
+                                            &ToolLists::probes, &ToolLists::clip_appliers);
 };
 
 // Moves a tool at constant speed, so that it is at the target at the end of the next frame.
 struct Lead {
   ToolId tool = 0;
-  ToolPose target;  // of its centre, of a scalpel of its tip; a cautery has no orientation
+  ToolPose target;  // of its centre, of a scalpel and a cautery of its tip
   bool operator==(const Lead&) const = default;
   static constexpr auto fields = std::tuple(&Lead::tool, &Lead::target);
 };
 
-// Switches a tool on or off. While it is on a cautery burns, a scalpel cuts, and jaws close.
+// Switches a tool on or off. While it is on a cautery burns, a scalpel cuts, and jaws close. A clip applier
+// closes a clip when it is switched on.
 struct SwitchTool {
   ToolId tool = 0;
   bool on = false;
@@ -61,7 +64,8 @@ struct LetGo {
 
 // The commands that add a tool. Each has a name and check(vertex_count, used), and says whether its tool
 // needs the body's grains. The tool's id is tools().next_id().
-using BringTool = std::variant<BringCautery, BringScalpel, BringProbe>;
-using ToolCommand = std::variant<TakeHold, BringCautery, BringScalpel, BringProbe, Lead, SwitchTool, LetGo>;
+using BringTool = std::variant<BringCautery, BringScalpel, BringProbe, BringClipApplier>;
+using ToolCommand =
+    std::variant<TakeHold, BringCautery, BringScalpel, BringProbe, Lead, SwitchTool, LetGo, BringClipApplier>;
 
 }  // namespace lobe

@@ -10,6 +10,7 @@
 #include "lobe/cut/tet_groups.h"
 #include "lobe/scalpel/blades.h"
 #include "lobe/scalpel/cut_work.h"
+#include "lobe/setup/clip_setup.h"
 #include "lobe/setup/exclusions.h"
 #include "lobe/tool/paths.h"
 
@@ -51,8 +52,19 @@ struct PlacedTool {
 // The vertices that a tool holds, and where they are [m].
 using HeldPoints = std::function<std::vector<std::pair<Index, Vec3d>>(ToolId)>;
 
+// A clip that closes at a place [m].
+struct ClipClosure {
+  ToolId tool = 0;
+  int number = 0;  // among those of the tool
+  std::string name;
+  ClipShape shape;
+  Vec3d position;               // of its middle [m]
+  Eigen::Vector4d orientation;  // unit quaternion x, y, z, w
+};
+
 // What tools do to the body between two times.
 struct ToolWork {
+  std::vector<ClipClosure> clips;
   std::vector<SweptVolume> burnt;  // the tetrahedra that meet them are removed
   std::vector<BladeMove> cuts;
 };

@@ -114,6 +114,7 @@ Felt felt_by(const World<Real>& world, ToolId id) {
       felt.torque = -tool.torque;
     }
     if constexpr (requires { tool.grip; }) felt.only_pushes = tool.grip == 0;
+    if constexpr (requires { tool.core_path; }) felt.only_pushes = tool.core.radius > 0;
     if constexpr (requires { tool.shape_of_tip; }) felt.probe = &tool.shape_of_tip;
     const ToolShape shape = tool.shape();
     felt.radius = shape.radius;

@@ -49,23 +49,34 @@ bool passes_near(const Tool& tool, const TetMesh& mesh, double reach) {
 void read_cautery(const nlohmann::json& entry, Tool& tool) {
   tool.radius = entry["radius"];
   if (entry.contains("hook")) tool.hook = read_vector(entry["hook"]);
+  tool.core = entry.value("core", tool.core);
 }
 
 void write_cautery(const Tool& tool, nlohmann::ordered_json& entry) {
   write_turns(tool, entry["path"]);
   entry["radius"] = tool.radius;
   if (tool.hook != Vec3d::Zero()) entry["hook"] = {tool.hook[0], tool.hook[1], tool.hook[2]};
+  if (tool.core > 0) entry["core"] = tool.core;
+}
+
+void check_core(Resolution& resolution, const Tool& tool, const std::string& here) {
+  if (!(tool.core < tool.radius))
+    resolution.fail(here + "/core", rounded(tool.core) + " m, must be below the radius, " +
+                                        rounded(tool.radius) + " m: what it touches is to burn");
 }
 
 void resolve_cautery(Resolution& resolution, const Tool& tool, const std::string& here) {
-  resolution.result.setup.cauteries.push_back({tool.name, tool.radius, tool.path, tool.hook});
+  check_core(resolution, tool, here);
+  resolution.result.setup.cauteries.push_back({tool.name, tool.radius, tool.path, tool.hook, tool.core});
   if (!passes_near(tool, resolution.mesh(), reach_of(resolution.scene, resolution.mesh())))
     resolution.warn(here + "/path", "never comes within its radius of the mesh's bounding box");
 }
 
-BringTool bring_cautery(Resolution&, const Tool& tool, const std::string&) {
+BringTool bring_cautery(Resolution& resolution, const Tool& tool, const std::string& here) {
+  check_core(resolution, tool, here);
   const PathPoint& at = tool.path.front();
-  return BringCautery{tool.name, tool.radius, at.position, Eigen::Quaterniond(at.orientation) * tool.hook};
+  return BringCautery{tool.name, tool.radius, at.position, Eigen::Quaterniond(at.orientation) * tool.hook,
+                      tool.core};
 }
 
 void summarise_cautery(const Setup& setup, std::size_t number, nlohmann::ordered_json& entry) {
@@ -81,6 +92,7 @@ void append_cauteries(const ToolSetups& done, Index, std::vector<Tool>& tools) {
     tool.type = CauterySetup::type;
     tool.radius = cautery.radius;
     tool.hook = cautery.hook;
+    tool.core = cautery.core;
     tool.path = cautery.path;
   }
 }

@@ -179,6 +179,7 @@ struct Tool {
   std::vector<Index> copies;   // grasp: vertices that earlier cuts make, numbered after those of the mesh
   double radius = 0;           // cautery: of its spherical tip [m]
   Vec3d hook = Vec3d::Zero();  // cautery: from its tip to the end of its hook [m]; zero: it has none
+  double core = 0;             // cautery: radius of the rigid wire in it [m]
   ClipShape clip;              // clip applier
   double snap = 0.1;           // scalpel: a vertex nearer to the cut than this share of its edges lies on it
   std::vector<Vec3d> heels;    // scalpel: one for each row of its path [m]

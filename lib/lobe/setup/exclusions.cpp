@@ -127,9 +127,12 @@ Options options_of(const Setup& setup) {
   used.add(Option::stored, setup.evaluator == Evaluator::stored);
   used.add(Option::sleep, setup.sleep > 0);
   used.add(Option::selective_mass, setup.selective_mass > 1);
-  used.add(Option::force_terms, !setup.probes.empty() || setup.contact.is_on() || !setup.pressures.empty() ||
-                                    !setup.stitches.empty() || !setup.attachments.empty() ||
-                                    !setup.clip_appliers.empty() || !setup.clips.empty());
+  const bool has_core = std::any_of(setup.cauteries.begin(), setup.cauteries.end(),
+                                    [](const CauterySetup& cautery) { return cautery.core > 0; });
+  used.add(Option::force_terms, has_core || !setup.probes.empty() || setup.contact.is_on() ||
+                                    !setup.pressures.empty() || !setup.stitches.empty() ||
+                                    !setup.attachments.empty() || !setup.clip_appliers.empty() ||
+                                    !setup.clips.empty());
   used.add(Option::partly_held, any_partly_held(setup));
   used.add(Option::implicit, setup.integrator == Integrator::generalised_alpha);
   return used;

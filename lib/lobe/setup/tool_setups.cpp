@@ -48,6 +48,7 @@ void CauterySetup::check(const Expect& expect) const {
   check_path(*this, expect);
   expect(std::isfinite(radius) && radius > 0, called(*this) + " needs a radius above 0");
   expect(hook.allFinite(), called(*this) + " needs a finite hook");
+  expect(core >= 0 && core < radius, called(*this) + " needs a core of at least 0 m that is thinner than it");
 }
 
 void ScalpelSetup::check(const Expect& expect) const {

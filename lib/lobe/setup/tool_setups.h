@@ -45,8 +45,10 @@ struct CauterySetup {
   std::vector<PathPoint> path;  // positions of the tip, and turns of the hook
   // From its tip to the end of a hook, which burns all along [m], before it turns; zero: it has none.
   Vec3d hook = Vec3d::Zero();
+  double core = 0;  // radius of a rigid wire in it, which tissue feels [m]; 0: tissue feels nothing
   void check(const Expect& expect) const;
-  static constexpr auto fields = std::tuple(&CauterySetup::radius, &CauterySetup::path, &CauterySetup::hook);
+  static constexpr auto fields =
+      std::tuple(&CauterySetup::radius, &CauterySetup::path, &CauterySetup::hook, &CauterySetup::core);
 };
 
 struct ScalpelSetup {

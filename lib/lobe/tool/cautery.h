@@ -1,7 +1,8 @@
 // A cautery burns away the tetrahedra that its spherical tip touches, or its hook: a wire from the tip on.
+// With a core, a thinner rigid wire inside, it also lifts and pushes tissue (contact/contact.h), on or off.
 #pragma once
 
-#include "lobe/tool/growing_path.h"
+#include "lobe/tool/body_on_path.h"
 #include "lobe/tool/tool_pose.h"
 
 namespace lobe {
@@ -13,10 +14,12 @@ struct BringCautery {
   double radius = 0;               // of its tip and of its hook [m], > 0
   Vec3d position = Vec3d::Zero();  // of its tip [m]
   Vec3d hook = Vec3d::Zero();      // from its tip to the end of the hook [m]; zero: it has none
+  double core = 0;                 // radius of the rigid wire in it [m], below `radius`; 0: it has none
   void check(Index vertex_count, const Options& used) const;
   bool operator==(const BringCautery&) const = default;
   static constexpr auto fields =
-      std::tuple(&BringCautery::name, &BringCautery::radius, &BringCautery::position, &BringCautery::hook);
+      std::tuple(&BringCautery::name, &BringCautery::radius, &BringCautery::position, &BringCautery::hook,
+                 &BringCautery::core);
 };
 
 struct Cautery {
@@ -33,16 +36,15 @@ struct Cautery {
   Vec3d hook = Vec3d::Zero();           // from its tip to the end of the hook [m], before it turns
   ToolPose pose;                        // of a live one
   std::optional<ToolPose> target = {};  // at the end of the next frame
+  RigidShape core;                      // a capsule along z, or a sphere; of radius 0: there is none
+  GrowingPath core_path;                // of a core: positions, and turns of z
+  bool has_left = false;                // of a live one with a core: nothing feels it any more
+  // Means over the last frame of what its core does to the body [N], and about its tip [N m].
+  Vec3d force = Vec3d::Zero(), torque = Vec3d::Zero();
 
   Cautery() = default;
-  explicit Cautery(const CauterySetup& setup)
-      : name(setup.name), radius(setup.radius), strokes{setup.path}, hook(setup.hook) {}
-  explicit Cautery(const BringCautery& command)
-      : name(command.name),
-        radius(command.radius),
-        is_live(true),
-        hook(command.hook),
-        pose{command.position} {}
+  explicit Cautery(const CauterySetup& setup);
+  explicit Cautery(const BringCautery& command);
 
   void lead(const ToolPose& to) { target = to; }
   void let_go() { burns = false, is_away = true; }
@@ -53,15 +55,23 @@ struct Cautery {
   bool is_on() const { return burns; }
   ToolShape shape() const { return {.radius = radius, .blade = hook}; }
   void begin_frame(double time, double end);
-  std::vector<CauterySetup> paths() const;
+  std::vector<CauterySetup> paths() const;     // of a live one, without its core:
+  std::vector<ProbeSetup> core_paths() const;  // which gives the same forces as a probe
   void add_work(double from, double to, ToolWork& work) const;
+  void append_bodies(double from, double to, std::vector<ToolBody>& bodies) const;
   std::optional<PlacedTool> placed(double time, const HeldPoints& held) const;  // none: it is nowhere
   bool fits(Index vertex_count) const;
   Vec3d wire_at(const Eigen::Vector4d& orientation) const;  // from its tip to the end of its hook [m]
 
   static constexpr auto fields =
       std::tuple(&Cautery::id, &Cautery::name, &Cautery::radius, &Cautery::strokes, &Cautery::is_live,
-                 &Cautery::burns, &Cautery::is_away, &Cautery::hook, &Cautery::pose, &Cautery::target);
+                 &Cautery::burns, &Cautery::is_away, &Cautery::hook, &Cautery::pose, &Cautery::target,
+                 &Cautery::core, &Cautery::core_path, &Cautery::has_left, &Cautery::force, &Cautery::torque);
+
+ private:
+  double core_goes() const;
+  void move_core(double time, double end, const ToolPose& from);
+  PathPoint core_at(double time, const ToolPose& at) const;
 };
 
 }  // namespace lobe

@@ -81,12 +81,7 @@ std::vector<ProbeSetup> Probe::paths() const {
 }
 
 void Probe::append_bodies(double from, double to, std::vector<ToolBody>& bodies) const {
-  if (path.empty() || path.front().time > to - just_before || goes() < from) return;
-  const std::vector<PathPoint>& rows = path.recent();
-  auto first = after(rows, from), last = after(rows, to);
-  if (first != rows.begin()) --first;
-  if (last != rows.end()) ++last;
-  bodies.push_back({id, &shape_of_tip, friction, path.front().time, goes(), {first, last}});
+  append_body({id, &shape_of_tip, friction, 0, goes()}, path, from, to, bodies);
 }
 
 std::optional<PlacedTool> Probe::placed(double time, const HeldPoints&) const {

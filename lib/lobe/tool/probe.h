@@ -3,8 +3,7 @@
 // force reaches most_grip. Switched off, they open to where they were.
 #pragma once
 
-#include "lobe/tool/growing_path.h"
-#include "lobe/tool/tool_body.h"
+#include "lobe/tool/body_on_path.h"
 #include "lobe/tool/tool_pose.h"
 
 namespace lobe {

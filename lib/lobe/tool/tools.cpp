@@ -95,6 +95,9 @@ ToolSetups Tools::paths_of(IsWanted&& is_wanted) const {
                        [](const auto& a, const auto& b) { return a.id < b.id; });
   });
   ToolSetups setups;
+  for (const Cautery& tool : all.cauteries)  // the cores of hooks come before other bodies: bodies()
+    if (is_wanted(tool))
+      for (ProbeSetup& path : tool.core_paths()) setups.probes.push_back(std::move(path));
   for_each_pair(all, setups, [&](const auto& tools, auto& paths) {
     for (const auto& tool : tools)
       if (is_wanted(tool))

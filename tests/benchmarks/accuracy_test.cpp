@@ -126,7 +126,7 @@ TEST_CASE("a row is on the Pareto front unless another of its scene is as good a
   }
 }
 
-TEST_CASE("the table has the columns that docs/benchmarks.md explains, and no number where there is none") {
+TEST_CASE("the table has the columns that docs/benchmarks/accuracy.md explains, and no number where there is none") {
   AccuracyRow good, diverged;
   good.model = diverged.model = "svk";
   good.status = "done";
@@ -140,7 +140,7 @@ TEST_CASE("the table has the columns that docs/benchmarks.md explains, and no nu
   REQUIRE(std::getline(csv, line));
   CHECK(line.starts_with(
       "model,precision,tets,dt_s,wall_s_per_s,error_model,error_total,scene,safety,pareto,"));
-  const std::string docs = bytes_of(LOBE_DATA_DIR "/../docs/benchmarks.md");
+  const std::string docs = bytes_of(LOBE_DATA_DIR "/../docs/benchmarks/accuracy.md");
   for (const std::string& column : cells_of(line))
     CHECK_MESSAGE(docs.find('`' + column + '`') != docs.npos, column);
   const std::size_t columns = cells_of(line).size();

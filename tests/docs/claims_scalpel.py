@@ -1,4 +1,4 @@
-"""The table of docs/benchmarks.md on a blade, and claims on it, for claims.py."""
+"""The table of docs/benchmarks/blade.md, and claims on it, for claims.py."""
 from results import high, low, one, percent, rows, span
 
 BODIES = ("liver_10k", "cube_48k", "liver_0.00575")

@@ -203,10 +203,13 @@ HYBRIDS = "docs/benchmarks/hybrids.md"
 GESTURES = "docs/benchmarks/gestures.md"
 
 
+FIGURES = "docs/haptics/figures.md"
+
+
 CLAIMS = [
-    ("docs/haptics.md", loop_on_the_liver),
-    ("docs/haptics.md", loop_that_touches),
-    ("docs/haptics.md", lambda: "Its largest jump is {:.1f} % of the peak, and that of *linear in time* {:.1f} %".format(
+    (FIGURES, loop_on_the_liver),
+    (FIGURES, loop_that_touches),
+    (FIGURES, lambda: "Its largest jump is {:.1f} % of the peak, and that of *linear in time* {:.1f} %".format(
         *(100 * predicted(method, "jump", contact="touch") for method in ("the servo", "linear in time")))),
     ("docs/contact.md", lambda: "Over the tumour the force is {:.1f} times that beside it, and {:.1f} times that of the "
                                 "same place without it".format(*felt())),

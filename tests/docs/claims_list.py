@@ -268,6 +268,7 @@ CLAIMS = [
     (B, lambda: f"In real time {percent(*total('selective_mass_corrected')[2:])} is the least error that was measured on one "
                 "thread: selective masses, corrected, on 50,244 tetrahedra"),
     (B, in_real_time),
+    ("docs/guide/surgeons.md", lambda: f"of ten thousand pieces is {percent(element('sag'))} off"),
     (B, lambda: f"its sag is {percent(element('sag'))} off, with plain ones {percent(element('sag', name='plain'))}. The force "
                 f"that lifts it is off by {signed(element('lift', 'force_excess'))}, with plain ones by "
                 f"{signed(element('lift', 'force_excess', 'plain'))}. A second takes {element('lift', 'time_ratio'):.1f} times as long"),

@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
 # Runs the tests with the label `programs` again and again while busy processes take the processors:
-# repeat.sh BUILD [TIMES [BUSY]]. Prints how often each ran and failed. What failed says why in
-# BUILD/Testing/repeat.
+# repeat.sh BUILD [TIMES [BUSY [NAMES]]], where NAMES is a regular expression of ctest that chooses some of
+# them. Prints how often each ran and failed. What failed says why in BUILD/Testing/repeat.
 set -euo pipefail
-build=${1:?folder of the build} times=${2:-20} busy=${3:-4}
+build=${1:?folder of the build} times=${2:-20} busy=${3:-4} names=${4:-.}
 for number in "$times" "$busy"; do
   [[ $number =~ ^[0-9]+$ ]] || { echo "repeat: \"$number\" is no number" >&2; exit 2; }
 done
@@ -20,7 +20,7 @@ for ((i = 0; i < busy; ++i)); do
 done
 
 for ((i = 1; i <= times; ++i)); do
-  ctest --test-dir "$build" -L '^programs$' -j2 --timeout 900 --output-on-failure >"$logs/$i.log" 2>&1 || true
+  ctest --test-dir "$build" -L '^programs$' -R "$names" -j2 --timeout 900 --output-on-failure >"$logs/$i.log" 2>&1 || true
   echo "$i of $times: $(grep -E 'tests passed|No tests' "$logs/$i.log" || tail -n 1 "$logs/$i.log")"
 done
 

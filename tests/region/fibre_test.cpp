@@ -275,6 +275,12 @@ TEST_CASE(
     setup.mesh.fibres.col(count - 1) = Vec3d::UnitX();
     CHECK_THROWS_WITH_AS(World<double>{setup}, doctest::Contains("one column per tetrahedron"), InputError);
   }
+  setup = holzapfel_setup(mesh);
+  setup.mesh.fibres.col(7) = Vec3d(setup.materials[0].fibre_plane.data()).normalized();
+  CHECK_THROWS_WITH_AS(World<double>{setup}, doctest::Contains("tetrahedron 7 has its direction along"),
+                       InputError);
+  setup.materials[0].fibre_angle = 0;  // one family: no plane is read
+  CHECK_NOTHROW(World<double>{setup});
   setup = fibrous_setup(mesh);
   setup.materials[0].fibre.stretch = -1e6;
   CHECK_THROWS_WITH_AS(World<double>{setup}, doctest::Contains("not positive definite"), InputError);

@@ -11,4 +11,10 @@ std::string law_fault(const Elastic& elastic) {
   return fault;
 }
 
+bool spans_plane(const Elastic& elastic, const Vec3d& direction) {
+  if (!has_families(elastic.law) || elastic.fibre_angle == 0) return true;
+  const Vec3d plane = Vec3d(elastic.fibre_plane.data()).stableNormalized();
+  return plane.cross(direction).norm() > 1e-3;
+}
+
 }  // namespace lobe

@@ -9,4 +9,8 @@ namespace lobe {
 
 std::string law_fault(const Elastic& elastic);  // why not; empty: they do
 
+// Whether a law with two families of fibres knows their plane where this unit vector is their direction. True
+// for other laws.
+bool spans_plane(const Elastic& elastic, const Vec3d& direction);
+
 }  // namespace lobe

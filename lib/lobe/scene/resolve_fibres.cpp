@@ -1,5 +1,8 @@
 // The fibre directions of a scene, one per tetrahedron of the materials that have fibres.
+#include <algorithm>
+
 #include "lobe/fem/fibre_fields.h"
+#include "lobe/fem/law_fault.h"
 #include "lobe/scene/resolve_parts.h"
 
 namespace lobe {
@@ -41,6 +44,17 @@ struct Filler {
   }
 };
 
+void check_planes(Resolution& resolution, std::size_t material, const std::vector<Index>& tets) {
+  const Setup& setup = resolution.result.setup;
+  const auto bad = std::find_if_not(tets.begin(), tets.end(), [&](Index t) {
+    return spans_plane(setup.materials[material], setup.mesh.fibres.col(t));
+  });
+  if (bad != tets.end())
+    resolution.fail("/materials/" + std::to_string(material) + "/holzapfel_plane",
+                    "is the direction of the fibre of tetrahedron " + std::to_string(*bad) +
+                        "; it must be another vector of the plane of both families");
+}
+
 }  // namespace
 
 void resolve_fibres(Resolution& resolution) {
@@ -59,6 +73,7 @@ void resolve_fibres(Resolution& resolution) {
     const std::string place = "/materials/" + std::to_string(m) + "/fibre";
     resolution.selected([&] {
       std::visit(Filler{array, tets, setup.mesh, place}, *materials[m].fibre);
+      check_planes(resolution, m, tets);
       return 0;
     });
   }

@@ -13,13 +13,6 @@
 namespace lobe {
 namespace {
 
-// Whether the plane of both families of fibres is known where they have this direction.
-bool spans_plane(const Elastic& elastic, const Vec3d& direction) {
-  if (!has_families(elastic.law) || elastic.fibre_angle == 0) return true;
-  const Vec3d plane = Vec3d(elastic.fibre_plane.data()).stableNormalized();
-  return plane.cross(direction).norm() > 1e-3;
-}
-
 class Checker {
  public:
   explicit Checker(const Setup& setup) : setup_(setup) {}

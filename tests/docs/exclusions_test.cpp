@@ -1,9 +1,8 @@
-// The table of docs/scene.md that says which options exclude each other is the one that scenes are checked
-// against.
+// The reference's table of options that exclude each other is the one that scenes are checked against.
 #include <doctest/doctest.h>
 
-#include "folder.h"
 #include "lobe/setup/exclusions.h"
+#include "pages.h"
 
 using namespace lobe;
 using namespace lobe::test;
@@ -29,8 +28,8 @@ std::string table() {
 
 }  // namespace
 
-TEST_CASE("docs/scene.md shows the table of options that exclude each other") {
-  const std::string text = bytes_of(std::filesystem::path(LOBE_SOURCE_DIR) / "docs" / "scene.md");
+TEST_CASE("the reference of scenes shows the table of options that exclude each other") {
+  const std::string text = page_with_chapters(LOBE_SOURCE_DIR "/docs", "scene");
   INFO("expected:\n", table());
   CHECK(text.find(table()) != std::string::npos);
 }

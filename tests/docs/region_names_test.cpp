@@ -5,9 +5,9 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
-#include "folder.h"
 #include "lobe/fem/body.h"
 #include "lobe/scene/schema.h"
+#include "pages.h"
 
 using namespace lobe;
 using namespace lobe::test;
@@ -31,7 +31,8 @@ TEST_CASE("the schema of scenes has the models' names, and the reference lists t
   const auto schema = nlohmann::json::parse(scene_schema());
   CHECK(schema["definitions"]["region"]["properties"]["model"]["enum"].get<std::vector<std::string>>() ==
         names);
-  CHECK(source("docs/scene.md").find("| `model` | " + listed("`\"", "\"`") + " |") != std::string::npos);
+  const std::string reference = page_with_chapters(LOBE_SOURCE_DIR "/docs", "scene");
+  CHECK(reference.find("| `model` | " + listed("`\"", "\"`") + " |") != std::string::npos);
 }
 
 TEST_CASE("the viewer's page has the models' names, by their numbers") {

@@ -1,23 +1,19 @@
-// docs/scene.md agrees with the code.
+// The reference of scenes, docs/scene.md with its chapters, agrees with the code.
 #include <doctest/doctest.h>
 
-#include <fstream>
 #include <nlohmann/json.hpp>
-#include <sstream>
 
 #include "lobe/scene/read_scene.h"
 #include "lobe/scene/schema.h"
+#include "pages.h"
 
 using namespace lobe;
+using namespace lobe::test;
 using nlohmann::json;
 
 namespace {
 
-const std::string reference = [] {
-  std::ostringstream text;
-  text << std::ifstream(LOBE_DOCS_DIR "/scene.md").rdbuf();
-  return text.str();
-}();
+const std::string reference = page_with_chapters(LOBE_DOCS_DIR, "scene");
 
 bool mentions(const std::string& text) { return reference.find(text) != std::string::npos; }
 

@@ -1,5 +1,6 @@
 // What the organ is made of, for the eye. `fine`: wet tissue with shadows, for graphics cards. `quick`: the
-// same light, found once on a sphere and looked up by the normal; for what stands in for a card.
+// same light, found once on a sphere (light.js) and looked up by the normal; for what stands in for a card.
+import {litSphere} from './light.js';
 import * as THREE from './third_party/three-0.187.0/three.module.js';
 
 // Fine unevenness of the tissue under its wet film, from the position at rest so that it moves with the
@@ -115,46 +116,11 @@ export function fineLook() {
 
 const across = 128; // pixels of the sphere
 
-// The light of the stage on a sphere of one material, as the camera sees it: floats, four a pixel.
-function sphereLit(stage, material) {
-  const scene = new THREE.Scene();
-  scene.environment = stage.scene.environment;
-  scene.environmentIntensity = stage.scene.environmentIntensity;
-  scene.add(new THREE.Mesh(new THREE.SphereGeometry(1, 64, 48), material));
-  for (const light of stage.lights) {
-    const copy = light.clone();
-    copy.castShadow = false;
-    if (light.target) {
-      copy.position.sub(light.target.position).normalize();
-      copy.target.position.setScalar(0);
-    }
-    scene.add(copy);
-  }
-  const camera = new THREE.OrthographicCamera(-1, 1, 1, -1, 0.1, 10);
-  camera.up.copy(stage.camera.up);
-  camera.position.copy(stage.forward()).multiplyScalar(-4);
-  camera.lookAt(0, 0, 0);
-  const target = new THREE.WebGLRenderTarget(across, across, {type: THREE.FloatType});
-  const {renderer} = stage,
-    pixels = new Float32Array(4 * across * across);
-  renderer.setRenderTarget(target);
-  renderer.setClearColor(0, 0);
-  renderer.clear();
-  renderer.render(scene, camera);
-  renderer.readRenderTargetPixels(target, 0, 0, across, across, pixels);
-  renderer.setRenderTarget(null);
-  target.dispose();
-  return pixels;
-}
-
 // What the colour of a point is multiplied by, and in the fourth channel what its wet film adds.
 function lightMap(stage, roughness, wet, reflects) {
-  const dull = sphereLit(stage, new THREE.MeshStandardMaterial({roughness, envMapIntensity: reflects}));
-  const film = new THREE.MeshPhysicalMaterial({color: 0, roughness, clearcoat: 1, clearcoatRoughness: 0.22});
-  const glossy = wet > 0 ? sphereLit(stage, film) : new Float32Array(dull.length);
-  const data = new Uint16Array(dull.length);
-  for (let i = 0; i < dull.length; ++i)
-    data[i] = THREE.DataUtils.toHalfFloat(i % 4 === 3 ? wet * glossy[i - 2] : dull[i]);
+  const [right, above, back] = [stage.right(), stage.above(), stage.forward().negate()].map(v => v.toArray());
+  const lit = litSphere(across, {right, above, back}, {roughness, reflects, wet});
+  const data = Uint16Array.from(lit, THREE.DataUtils.toHalfFloat);
   const map = new THREE.DataTexture(data, across, across, THREE.RGBAFormat, THREE.HalfFloatType);
   map.minFilter = map.magFilter = THREE.LinearFilter;
   map.needsUpdate = true;

@@ -1,4 +1,5 @@
 // Where the organ lies: renderer, light, camera. It draws when something has changed, and not otherwise.
+import {fill, key, lamps, reflected, sky, walls} from './light.js';
 import {firstQuick, ladder, Quality} from './quality.js';
 import * as THREE from './third_party/three-0.187.0/three.module.js';
 
@@ -7,6 +8,8 @@ const themes = {
   dark: {fine: new THREE.Color(0x161d21), quick: new THREE.Color(0x203338), ground: 0x1d3a3f},
   light: {fine: new THREE.Color(0xdde5e8), quick: new THREE.Color(0xd2dcdf), ground: 0xb4c6c9},
 };
+
+const fallen = 3; // radii of the body, beyond which it has fallen away
 
 /** What draws here, in words; null where there is no WebGL. */
 export function graphics() {
@@ -49,6 +52,7 @@ export class Stage {
     this.distance = 0.6;
     this.size = 0.2;
     this.margins = {left: 0, right: 0, top: 0, bottom: 0}; // that panels cover [pixels]
+    this.middle = new THREE.Vector3(); // of the body that it was told to look at
     this.shape = null; // of which the whole is seen from home: positions [m]
     this.isHome = false; // nobody has moved the camera since
     this.before = []; // called when the browser draws next, whether or not there is a new picture
@@ -63,21 +67,15 @@ export class Stage {
   }
 
   addLights() {
-    const maker = new THREE.PMREMGenerator(this.renderer);
-    this.scene.environment = maker.fromScene(operatingRoom(), 0.03).texture;
-    this.scene.environmentIntensity = 0.6;
-    maker.dispose();
-    this.key = new THREE.DirectionalLight(0xfff1e2, 2.1);
+    this.key = farLight(key);
     this.key.castShadow = true;
     this.key.shadow.bias = -0.0006;
     this.key.shadow.normalBias = 0.0015;
     this.key.shadow.radius = 3;
     this.key.shadow.intensity = 0.75;
-    const fill = new THREE.DirectionalLight(0xbcd8e6, 0.5);
-    fill.position.set(-1, 0.6, 0.5);
-    const sky = new THREE.HemisphereLight(0xdfeaf0, 0x6a7f82, 1.15);
-    this.lights = [this.key, fill, sky];
-    this.scene.add(...this.lights, this.key.target);
+    const above = new THREE.HemisphereLight(sky.colour, sky.ground, sky.strength);
+    above.position.set(...sky.from);
+    this.scene.add(this.key, farLight(fill), above, this.key.target);
     this.ground = new THREE.Mesh(
       new THREE.CircleGeometry(1, 64),
       new THREE.MeshLambertMaterial({color: 0x1d3a3f}),
@@ -85,6 +83,15 @@ export class Stage {
     this.ground.receiveShadow = true;
     this.scene.add(this.ground);
     this.draws(this.step);
+  }
+
+  // What wet tissue reflects. It takes seconds where there is no graphics card, so only the fine look has it.
+  addReflections() {
+    if (this.scene.environment) return;
+    const maker = new THREE.PMREMGenerator(this.renderer);
+    this.scene.environment = maker.fromScene(operatingRoom(), 0.03).texture;
+    this.scene.environmentIntensity = reflected;
+    maker.dispose();
   }
 
   get look() {
@@ -99,6 +106,7 @@ export class Stage {
     this.step = step;
     const fine = step.look === 'fine',
       {shadow} = this.key;
+    if (fine) this.addReflections();
     document.body.classList.toggle('plain-glass', !fine); // blurring takes as long as the organ
     this.renderer.shadowMap.enabled = this.key.castShadow = this.ground.visible = fine;
     this.renderer.shadowMap.autoUpdate = false;
@@ -138,13 +146,14 @@ export class Stage {
     const box = new THREE.Box3().setFromArray(points),
       sphere = box.getBoundingSphere(new THREE.Sphere());
     this.size = sphere.radius;
+    this.middle = sphere.center;
     this.ground.position.set(sphere.center.x, sphere.center.y, box.min.z - 0.12 * this.size);
     this.ground.scale.setScalar(30 * this.size);
     const light = this.key.shadow.camera,
       reach = 1.7 * this.size;
     this.key.position
       .copy(sphere.center)
-      .add(new THREE.Vector3(0.9, -0.8, 2.4).multiplyScalar(2 * this.size));
+      .add(new THREE.Vector3(...key.from).multiplyScalar(2 * this.size));
     this.key.target.position.copy(sphere.center);
     Object.assign(light, {
       left: -reach,
@@ -172,9 +181,11 @@ export class Stage {
     return [Math.max(0.3, (w - left - right) / w), Math.max(0.3, (h - top - bottom) / h)];
   }
 
-  /** Looks from the front, so that all of these points are between the panels. */
+  /** Looks from the front, so that all of these points are between the panels; what fell away is left out. */
   home(points = this.shape) {
     if (!points) return;
+    const near = this.nearOf(points);
+    if (near.length > 0) points = near;
     this.shape = points;
     this.azimuth = -1.25;
     this.elevation = 0.38;
@@ -207,10 +218,22 @@ export class Stage {
     return distance;
   }
 
-  /** Where nobody has moved the camera yet, it follows a body that moves far, as one that begins to sag. */
+  /** Where nobody has moved the camera yet, it follows a body that moves far, as one that begins to sag. What
+   *  falls away it lets go. */
   follow(points) {
-    if (!this.isHome || this.distanceOf(points) < 0.05 * this.size) return;
-    this.home(points.slice());
+    if (!this.isHome) return;
+    const near = this.nearOf(points);
+    if (near.length > 0 && this.distanceOf(near) >= 0.05 * this.size) this.home(near);
+  }
+
+  // Those of these points that have not left the place where the body was.
+  nearOf(points) {
+    const {x, y, z} = this.middle,
+      near = [];
+    for (let i = 0; i < points.length; i += 3)
+      if (Math.hypot(points[i] - x, points[i + 1] - y, points[i + 2] - z) < fallen * this.size)
+        near.push(points[i], points[i + 1], points[i + 2]);
+    return near;
   }
 
   // How far the box of these points is from that of what is seen from home [m].
@@ -405,25 +428,27 @@ function lowest(points) {
   return z;
 }
 
+const farLight = ({colour, strength, from}) => {
+  const light = new THREE.DirectionalLight(colour, strength);
+  light.position.set(...from);
+  return light;
+};
+
 // Lamps and walls that wet tissue reflects.
 function operatingRoom() {
   const room = new THREE.Scene();
-  room.background = new THREE.Color(0x0b0f11);
-  const lamp = (color, strength, width, height, position) => {
-    const mesh = new THREE.Mesh(
+  room.background = new THREE.Color(walls.colour);
+  for (const {colour, strength, width, height, at} of lamps) {
+    const lamp = new THREE.Mesh(
       new THREE.PlaneGeometry(width, height),
       new THREE.MeshBasicMaterial({
-        color: new THREE.Color(color).multiplyScalar(strength),
+        color: new THREE.Color(colour).multiplyScalar(strength),
         side: THREE.DoubleSide,
       }),
     );
-    mesh.position.set(...position);
-    mesh.lookAt(0, 0, 0);
-    room.add(mesh);
-  };
-  lamp(0xfff4e8, 14, 2.2, 2.2, [1.5, -1.5, 4]);
-  lamp(0xffffff, 6, 1.2, 3.5, [-4, -1, 1.8]);
-  lamp(0xdfeefa, 3, 4, 1.2, [2, 4, 1.5]);
-  lamp(0x5f7f82, 1.6, 12, 12, [0, 0, -4]);
+    lamp.position.set(...at);
+    lamp.lookAt(0, 0, 0);
+    room.add(lamp);
+  }
   return room;
 }

@@ -52,7 +52,7 @@ void LatticeRegion<Real>::follow(const Elements& elements, const RegionEdit& edi
   if (any() && lattice_.frame.edge == 0) lattice_.frame = choose_lattice(elements, cell_);
 }
 
-// Those of before stay until embed(): their masses and loads change.
+// Vertices that were listed before stay so until embed(), which changes their masses and loads.
 template <class Real>
 void LatticeRegion<Real>::list_vertices(const Topology& topology) {
   std::vector<std::uint8_t> is_vertex(std::size_t(topology.vertex_count()), 0);

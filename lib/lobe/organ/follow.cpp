@@ -283,8 +283,8 @@ void Organ<Real>::find_carried() {
 
 // ---- State
 
-// Sums by what a change changes energies, if it embeds vertices or makes them full. Masses must be those of
-// the state when it begins.
+// Performs a change. If it embeds vertices or makes them full, adds the change of the energies to the report.
+// Masses must be those of the state when it begins.
 template <class Real>
 void Organ<Real>::as_transition(const std::function<void()>& change) {
   if (unreported_.in_transition) return change();

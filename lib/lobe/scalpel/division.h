@@ -11,8 +11,8 @@
 
 namespace lobe {
 
-// Grains of the tetrahedra around a vertex hang together there if faces lead from one to another without
-// leaving these tetrahedra: a face in common ties all three vertices of its tetrahedra's face together.
+// Grains of the tetrahedra around a vertex hang together there if one can go from each to each across faces
+// of these tetrahedra. Where two tetrahedra are joined across a face, they share its three vertices.
 class Division {
  public:
   using Corners = Eigen::Vector4i;

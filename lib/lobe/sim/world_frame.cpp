@@ -203,7 +203,7 @@ void World<Real>::prepare_frame(double duration, Report& report) {
     const Timed timed(report, Phase::cutting);
     has_changed = organ_.grant({Moment::steps_begin});
   }
-  if (has_changed) organ_.show_body();  // in which other vertices have masses now
+  if (has_changed) organ_.show_body();  // its masses are others now
   {
     const Timed timed(report, Phase::time_step);
     report.time_step_limit = organ_.limit().for_frame(body());

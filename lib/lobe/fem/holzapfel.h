@@ -33,12 +33,6 @@ inline constexpr InverseFactorials inverse_factorials = [] {
   return values;
 }();
 
-template <class T>
-inline constexpr bool is_single_precision = sizeof(T) == 4;
-template <class T>
-requires requires { typename T::value_type; }
-inline constexpr bool is_single_precision<T> = sizeof(typename T::value_type) == 4;
-
 // exp(x) − 1 for 0 ≤ x ≤ 16, to rounding for small ones and within 1e-14 (single: 1e-5) of exp(x): by a
 // polynomial of x/16, then four times exp(2y) − 1 = m (m + 2) of m = exp(y) − 1. It has the same bits for
 // every width of registers.

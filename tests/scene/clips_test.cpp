@@ -28,11 +28,12 @@ struct DuctScene {
   json document() const {
     return json::parse(R"({
       "bodies": [{"name": "duct", "mesh": "duct.vtu", "carries": "bile"}],
-      "boundary": [{"fix": true, "where": {"plane": {"point": [0.001, 0, 0], "normal": [-1, 0, 0]}}}],
+      "materials": [{"young_modulus": 5000, "poisson_ratio": 0.4}],
+      "boundary": [{"fix": true, "where": {"plane": {"point": [0.001, 0, 0], "normal": [-1, 0, 0], "side": "above"}}}],
       "tools": [
         {"type": "clip_applier", "name": "clip", "length": 0.006, "opening": 0.005, "gap": 0.002,
          "path": [[0.1, 0.01, 0.002, 0.002], [0.5, 0.012, 0.002, 0.002, 0, 0, 1, 0]]},
-        {"type": "cautery", "name": "hook", "radius": 0.001, "hook": [0, 0, 0.003],
+        {"type": "cautery", "name": "hook", "radius": 0.001, "hook": [0, 0, 0.003], "core": 0.0005,
          "path": [[0.2, 0.02, 0, 0], [0.3, 0.02, 0, 0, 0, 1, 0, 0]]}]
     })");
   }
@@ -76,12 +77,14 @@ TEST_CASE("clips and hooks of a scene become tools, and are written as they were
   CHECK(setup.clip_appliers[0].path[1].orientation == Eigen::Vector4d(0, 0, 1, 0));
   REQUIRE(setup.cauteries.size() == 1);
   CHECK(setup.cauteries[0].hook == Vec3d(0, 0, 0.003));
+  CHECK(setup.cauteries[0].core == 0.0005);
   const Scene scene = duct.scene(duct.document());
   const Scene again = parse_scene(to_json(scene), duct.folder.path / "again.json");
   CHECK(to_json(again) == to_json(scene));
   CHECK(again.bodies[0].carries == Carries::bile);
   CHECK(again.tools[0].clip == scene.tools[0].clip);
   CHECK(again.tools[1].hook == scene.tools[1].hook);
+  CHECK(again.tools[1].core == scene.tools[1].core);
 }
 
 TEST_CASE("what clips and carriers lack is named with its place") {
@@ -96,6 +99,10 @@ TEST_CASE("what clips and carriers lack is named with its place") {
         std::string::npos);
   tools[0]["gap"] = 0;
   CHECK(duct.fault({{"tools", tools}}).find("/tools/0/gap") != std::string::npos);
+  tools = duct.document()["tools"];
+  tools[1]["core"] = 0.001;
+  CHECK(duct.fault({{"tools", tools}}).find("/tools/1/core: 0.001 m, must be below the radius, 0.001 m") !=
+        std::string::npos);
   json bodies = duct.document()["bodies"];
   bodies[0]["carries"] = "water";
   CHECK(duct.fault({{"bodies", bodies}}).find("/bodies/0/carries") != std::string::npos);

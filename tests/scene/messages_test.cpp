@@ -87,7 +87,8 @@ TEST_CASE("unknown keys are refused with a suggestion") {
       {R"({"boundary": [{"fix": true, "where": {"bxo": {}}}]})",
        "/boundary/0/where: unknown key \"bxo\"; did you mean \"box\"?"},
       {R"({"tools": [{"type": "cautery", "radius": 1, "path": [[0, 0, 0, 0]], "release": true}]})",
-       "/tools/0: unknown key \"release\"; known here: \"name\", \"path\", \"radius\", \"type\""},
+       "/tools/0: unknown key \"release\"; known here: \"core\", \"hook\", \"name\", \"path\", "
+       "\"radius\", \"type\""},
       {R"({"a\nb": 1, "time": {"x~/": 1}})",
        "scene.json: unknown key \"a\\nb\"; known here: \"$schema\", \"attachments\", \"bodies\", "
        "\"boundary\", \"comment\", "
@@ -242,12 +243,13 @@ TEST_CASE("a selector is one of fourteen, with sensible values") {
 TEST_CASE("tools need their type's keys and paths that go forward") {
   check({
       {R"({"tools": [{"path": [[0, 0, 0, 0]]}]})",
-       "/tools/0: needs \"type\": \"grasp\", \"cautery\", \"scalpel\" or \"probe\""},
+       "/tools/0: needs \"type\": \"grasp\", \"cautery\", \"scalpel\", \"probe\" or \"clip_applier\""},
       {R"({"tools": [{"type": "gasp"}]})",
-       "/tools/0/type: \"gasp\", must be \"grasp\", \"cautery\", \"scalpel\" or \"probe\"; did you mean "
+       "/tools/0/type: \"gasp\", must be \"grasp\", \"cautery\", \"scalpel\", \"probe\" or \"clip_applier\"; "
+       "did you mean "
        "\"grasp\"?"},
       {R"({"tools": [{"type": 1}]})",
-       "/tools/0/type: 1, must be \"grasp\", \"cautery\", \"scalpel\" or \"probe\""},
+       "/tools/0/type: 1, must be \"grasp\", \"cautery\", \"scalpel\", \"probe\" or \"clip_applier\""},
       {R"({"tools": [7]})", "/tools/0: 7, must be an object"},
       {R"({"tools": [{"type": "grasp", "where": {"all": true}}]})", "/tools/0: needs \"path\""},
       {R"({"tools": [{"type": "cautery", "path": [[0, 0, 0, 0]]}]})", "/tools/0: needs \"radius\""},
@@ -256,7 +258,7 @@ TEST_CASE("tools need their type's keys and paths that go forward") {
       {R"({"tools": [{"type": "cautery", "radius": 1, "path": []}]})",
        "/tools/0/path: 0 items, must be at least 1"},
       {R"({"tools": [{"type": "cautery", "radius": 1, "path": [[0, 0, 0]]}]})",
-       "/tools/0/path/0: 3 items, must be 4"},
+       "/tools/0/path/0: 3 items, must be at least 4"},
       {R"({"tools": [{"type": "cautery", "radius": 1, "path": [[-1, 0, 0, 0], [0, "x", 0, 0]]}]})",
        "/tools/0/path/0/0: -1, must be at least 0\n/tools/0/path/1/1: \"x\", must be a number"},
       {R"({"tools": [{"type": "cautery", "radius": 1,

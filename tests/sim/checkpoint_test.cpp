@@ -205,7 +205,7 @@ TEST_CASE("a checkpoint with a right checksum over wrong contents gives a checkp
   const Folder folder;
   write_checkpoint(folder.path / "state", world.save());
   const std::string whole = io::read_file(folder.path / "state");
-  const io::Format format{"lobestaf", 29, "state of a world in single precision"};
+  const io::Format format{"lobestaf", 30, "state of a world in single precision"};
   const std::string contents(io::unseal("state", whole, format));
   CHECK_THROWS_WITH_AS(
       parse_checkpoint<float>("state",

@@ -41,3 +41,36 @@ test('two boxes that a cut has parted: once around it, though it has two lips', 
   assert.equal(surface.cut.reduce((sum, c) => sum + c), 4);
   assert.equal(cutLength(surface), 6);
 });
+
+// Skin above and below at z = 2 and 0, and slits along y through it: of each where it is [x], and how long.
+function slitPlate(...slits) {
+  const rest = [],
+    triangles = [],
+    cut = [];
+  const at = (...place) => rest.push(...place) / 3 - 1;
+  for (const [x, above, below] of slits) {
+    const [a, b, c, d] = [at(x, 0, 2), at(x, above, 2), at(x, 0, 0), at(x, below, 0)];
+    const skin = [
+      [a, b, at(x - 1, 0, 2)], [b, a, at(x + 1, 0, 2)],
+      [d, c, at(x - 1, 0, 0)], [c, d, at(x + 1, 0, 0)],
+    ];
+    const lips = [[a, c, b], [c, d, b], [a, b, c], [c, b, d]];
+    triangles.push(...skin.flat(), ...lips.flat());
+    cut.push(...skin.map(() => 0), ...lips.map(() => 1));
+  }
+  return {rest: Float32Array.from(rest), triangles: Uint32Array.from(triangles), cut: Uint8Array.from(cut)};
+}
+
+test('a slit that comes out on the far side has the length of its longer side', () => {
+  assert.equal(cutLength(slitPlate([0, 4, 3])), 4);
+  assert.equal(cutLength(slitPlate([0, 4, 4])), 4);
+  assert.equal(cutLength(slitPlate([0, 4, 3], [5, 2, 2.5])), 4 + 2.5);
+});
+
+test('two slits that meet below the skin count both', () => {
+  const plate = slitPlate([0, 4, 3], [5, 2, 1]),
+    [c, below] = [2, plate.rest.length / 3 / 2 + 2]; // the lower end of each, at y = 0
+  plate.triangles = Uint32Array.of(...plate.triangles, c, below, 3);
+  plate.cut = Uint8Array.of(...plate.cut, 1);
+  assert.equal(cutLength(plate), 4 + 2);
+});

@@ -21,7 +21,7 @@ template <class T>
 requires requires { typename T::value_type; }
 inline constexpr bool is_single_precision<T> = sizeof(typename T::value_type) == 4;
 
-// J^(−1/3) for J from 1/5 to 1,000: one step of Halley's iteration from J^(−1/4), then steps of order 4, which
+// J^(−1/3) for J from 1/5 to 1,000: a step of Halley's iteration from J^(−1/4), then steps of order 4, which
 // do not divide: of e = 1 − J y³, (1 − e)^(−1/3) = 1 + e/3 + 2e²/9 + 14e³/81 … It has the same bits for every
 // width of registers.
 template <class T>

@@ -26,6 +26,7 @@ std::span<const Benchmark> all_benchmarks() {
       {"elements", "error and cost of plain and edge-smoothed tetrahedra on the same mesh", bench_elements,
        true},
       {"features", "what each option costs per step, on and off", bench_features},
+      {"steps", "two ways of shorter steps for stiff parts, against one step for all", bench_steps},
       {"stress", "abuse that a body must survive, with a verdict each", bench_stress},
       {"huge", "static solutions of millions of tetrahedra in parts (lobe-petsc, MPI)", bench_huge},
       {"soak", "sessions of a million frames, then random gestures, invariants checked every second",

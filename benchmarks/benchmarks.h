@@ -53,6 +53,7 @@ void bench_elements(const Options& options);
 void bench_features(const Options& options);
 void bench_realtime(const Options& options);
 void bench_hybrid(const Options& options);
+void bench_steps(const Options& options);
 void bench_stress(const Options& options);
 void bench_surface(const Options& options);
 void bench_live(const Options& options);

@@ -82,6 +82,9 @@
 //   step: one advance of the integrator; with the explicit one a frame takes as many as stability needs.
 //   stable step: the longest step in which an error does not grow: 2/ω_max, with ω_max the highest
 //     frequency of the body [rad/s].
+//   pace: how long a step a part of a body could take if it stepped alone.
+//   level: of a tetrahedron or patch: the power of two by which its steps could be longer than those of its
+//     body.
 //   diagonal stiffness: the stiffness that each vertex feels when it moves while its neighbours are
 //     held.
 //   lumped mass: a diagonal mass matrix, a quarter of each tetrahedron's mass at each corner.

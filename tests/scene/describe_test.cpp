@@ -91,3 +91,25 @@ TEST_CASE("the description in words says what will be run") {
         "output     21 VTU frames, 1 pictures\n"
         "warning    /tools/0: doubtful\n");
 }
+
+TEST_CASE("the pace is told where one part is much stiffer than another, as an estimate") {
+  Scene stiff = scene;
+  stiff.materials.push_back(stiff.materials[0]);
+  stiff.materials[1].name = "wall";
+  Resolved two = resolve(scene, box_mesh({0.8, 0.1, 0.1}, 8, 1, 1));
+  CHECK_FALSE(json::parse(describe_json(scene, two)).contains("pace"));
+  two.setup.materials.push_back(two.setup.materials[0]);
+  two.setup.materials[1].lambda *= 4096;
+  two.setup.materials[1].mu *= 4096;
+  for (Index t = 42; t < 48; ++t) two.setup.material_of[std::size_t(t)] = 1;  // the last cell
+  const json pace = json::parse(describe_json(stiff, two))["pace"];
+  CHECK(pace["materials"][0]["name"] == "soft");
+  CHECK(pace["materials"][0]["up_to_times"] == 32);
+  CHECK(pace["materials"][1]["name"] == "wall");
+  CHECK(pace["materials"][1]["up_to_times"] == 1);
+  CHECK(pace["evaluations_by_tetrahedra"].get<double>() < 0.5);
+  CHECK(describe(stiff, two).find("soft could take up to 32 times as long ones") != std::string::npos);
+  Scene later = stiff;
+  later.auto_regions.emplace();
+  CHECK_FALSE(json::parse(describe_json(later, two)).contains("pace"));
+}

@@ -11,6 +11,7 @@
 #include "lobe/mesh/joined_mesh.h"
 #include "lobe/scene/json_text.h"
 #include "lobe/scene/material_constants.h"
+#include "lobe/scene/pace_text.h"
 #include "lobe/scene/resolve_parts.h"
 #include "lobe/scene/tool_kinds.h"
 #include "lobe/scene/unit_checks.h"
@@ -223,6 +224,7 @@ ordered_json summarise(const Scene& scene, const Resolved& resolved) {
   summary["tools"] = summarise_tools(scene, setup);
   if (!scene.threads.empty()) summary["threads"] = summarise_threads(scene);
   if (!setup.attachments.empty()) summary["attachments"] = summarise_attachments(setup);
+  if (const auto pace = summarise_pace(scene, resolved); !pace.is_null()) summary["pace"] = pace;
   summary["duration_s"] = scene.time.duration;
   summary["frame_s"] = scene.time.frame;
   summary["precision"] = scene.in_double() ? "double" : "single";
@@ -384,6 +386,7 @@ std::string describe(const Scene& scene, const Resolved& resolved) {
   print_tools(out, summary["tools"]);
   if (summary.contains("threads")) print_threads(out, summary["threads"]);
   if (summary.contains("attachments")) print_attachments(out, summary["attachments"]);
+  if (summary.contains("pace")) out << pace_lines(summary["pace"]);
   out << "run        " << rounded(scene.time.duration) << " s in frames of " << rounded(scene.time.frame)
       << " s, " << summary["integrator"].get<std::string>() << ", " << summary["precision"].get<std::string>()
       << " precision";

@@ -7,7 +7,8 @@
 
 namespace lobe {
 
-// A text for people: several lines, warnings last. O(#tetrahedra).
+// A text for people: several lines, warnings last. Where a part is much stiffer than others it costs as much
+// as building some worlds (pace.h), else as one.
 std::string describe(const Scene& scene, const Resolved& resolved);
 
 // The same for programs: one JSON object, indented.

@@ -1,6 +1,6 @@
 // Keys, fingers and the camera of the page in a headless Chromium.
 // Usage: node browser_input_test.mjs LOBE_VIEW SCENE MODULES OUT
-import {grip, openPage, until} from './page_support.mjs';
+import {comesTo, grip, openPage, settles, until} from './page_support.mjs';
 
 const {page, check, shot, end} = await openPage({width: 1280, height: 720}, {hasTouch: true});
 check(await until(page, () => window.lobe?.frames > 2 && lobe.organ.x), 'the page opens');
@@ -37,7 +37,7 @@ const framed = () =>
     };
   });
 const isFramed = async what => {
-  const {beyond, share} = await framed();
+  const {beyond, share} = await comesTo(framed, ({beyond, share}) => beyond <= 0 && share > 0.6);
   check(
     beyond <= 0 && share > 0.6,
     `${what}: all of it is between the panels and fills ${Math.round(100 * share)} %, ` +
@@ -51,7 +51,6 @@ for (const [width, height] of [
   [800, 600],
 ]) {
   await page.setViewportSize({width, height});
-  await page.waitForTimeout(600);
   await isFramed(`${width} × ${height}`);
 }
 await page.setViewportSize({width: 1280, height: 720});
@@ -67,10 +66,9 @@ await page.evaluate(() => {
   lobe.ask({do: 'take', hand: 0, from: [point.x, point.y, point.z + 0.3], along: [0, 0, -1], radius: 0.02});
   lobe.ask({do: 'lead', hand: 0, to: [point.x + 0.05, point.y, point.z - 0.06]});
 });
-await page.waitForTimeout(2500);
+await settles(page, 0.05);
 await page.focus('#stage');
 await page.keyboard.press('Home');
-await page.waitForTimeout(300);
 await isFramed('pulled aside, Home');
 await shot('home');
 await page.evaluate(() => lobe.ask({do: 'let_go', hand: 0}));

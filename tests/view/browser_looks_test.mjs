@@ -1,6 +1,6 @@
 // The light window and the details of the page, in a headless Chromium.
 // Usage: node browser_looks_test.mjs LOBE_VIEW SCENE MODULES OUT
-import {openPage, until} from './page_support.mjs';
+import {comesTo, openPage, until} from './page_support.mjs';
 
 const {page, check, shot, end} = await openPage({width: 1280, height: 720});
 check(await until(page, () => window.lobe?.frames > 2 && lobe.organ.x), 'the page opens');
@@ -46,8 +46,7 @@ const light = () =>
 await page.evaluate(() => lobe.home());
 const [darkPicture, darkPanel] = await light();
 await page.click('#light');
-await page.waitForTimeout(500);
-const [lightPicture, lightPanel] = await light();
+const [lightPicture, lightPanel] = await comesTo(light, seen => Math.min(...seen) > 180);
 check(
   darkPicture < 80 && darkPanel < 80 && lightPicture > 180 && lightPanel > 180,
   `a light window: picture ${darkPicture} to ${lightPicture}, panel ${darkPanel} to ${lightPanel} of 255`,

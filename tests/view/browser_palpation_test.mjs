@@ -1,6 +1,6 @@
 // The page in a headless Chromium: a probe that the mouse leads feels the liver, and a tumour in it.
 // Usage: node browser_palpation_test.mjs LOBE_VIEW SCENE MODULES OUT
-import {above, openPage, until} from './page_support.mjs';
+import {above, openPage, settles, until} from './page_support.mjs';
 
 const {page, check, shot, end} = await openPage({width: 1200, height: 720});
 check(
@@ -26,20 +26,6 @@ const shown = () =>
     force: lobe.force,
     plotted: lobe.forcePlot.data.slice(1, 5).reduce((sum, line) => sum + (line.at(-1) ?? 0), 0),
   }));
-// Until a force above so much has changed by less than 10 mN for 0.3 s.
-const settles = async above => {
-  await page.evaluate(() => (window.last = null));
-  return until(
-    page,
-    above => {
-      const {time} = lobe.status;
-      if (!window.last || Math.abs(lobe.force - window.last.force) > 0.01)
-        window.last = {time, force: lobe.force};
-      return lobe.force > above && time > window.last.time + 0.3;
-    },
-    above,
-  );
-};
 const turnWheel = async notches => {
   for (let i = 0; i < Math.abs(notches); ++i) await page.mouse.wheel(0, 100 * Math.sign(notches));
 };
@@ -53,7 +39,7 @@ await page.keyboard.press('p');
 const tumour = await above(page, -0.04, 0);
 await page.mouse.move(tumour.x, tumour.y);
 await page.mouse.down();
-check(await settles(0.1), 'a probe that is pressed in over the tumour feels a force');
+check(await settles(page, 0.1), 'a probe that is pressed in over the tumour feels a force');
 const overTumour = await shown();
 await shot('tumour');
 check((await arrowPixels()) > 100, 'an arrow shows it');
@@ -72,7 +58,7 @@ check(away.probes === 1 && away.plotted === 0, 'from the plot as well, while the
 check((await arrowPixels()) === 0, 'and the arrow');
 await shot('away');
 await turnWheel(-8);
-check(await settles(0.1), 'it presses again');
+check(await settles(page, 0.1), 'it presses again');
 await page.mouse.up();
 check(await isFree(), 'and feels nothing when it is let go');
 const gone = await shown();
@@ -83,7 +69,7 @@ check(gone.probes === 0 && gone.plotted === 0 && (await arrowPixels()) === 0, 'p
 const beside = await above(page, 0, 0);
 await page.mouse.move(beside.x, beside.y);
 await page.mouse.down();
-check(await settles(0.1), 'beside the tumour it feels a force');
+check(await settles(page, 0.1), 'beside the tumour it feels a force');
 const {force} = await shown();
 await shot('beside');
 check(

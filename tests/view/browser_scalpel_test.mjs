@@ -1,7 +1,7 @@
 // The scalpel of the page in a headless Chromium: what is drawn over the organ opens its surface, at any
 // depth.
 // Usage: node browser_scalpel_test.mjs LOBE_VIEW SCENE MODULES OUT
-import {drag, openPage, until} from './page_support.mjs';
+import {comesTo, drag, openPage, until} from './page_support.mjs';
 
 const {page, check, shot, end} = await openPage({width: 1280, height: 720});
 check(await until(page, () => window.lobe?.frames > 2 && lobe.organ.x), 'the page opens');
@@ -66,6 +66,17 @@ const box = () =>
     return seen;
   });
 
+// Until the blade has cut and, for 0.2 s of the simulation, no more faces.
+async function cutEnds() {
+  await page.evaluate(() => (window.last = null));
+  await until(page, () => {
+    const {time} = lobe.status,
+      faces = lobe.organ.cutCount;
+    if (window.last?.faces !== faces) window.last = {time, faces};
+    return faces > 0 && time > window.last.time + 0.2;
+  });
+}
+
 async function stroke(from, to, notches) {
   await page.keyboard.press('r');
   await until(page, () => lobe.organ.cutCount === 0 && lobe.status.time < 3);
@@ -78,11 +89,10 @@ async function stroke(from, to, notches) {
   if (notches === 4) await shot('gauge');
   for (let i = 1; i <= 12; ++i) {
     await page.mouse.move(from.x + ((to.x - from.x) * i) / 12, from.y + ((to.y - from.y) * i) / 12);
-    await page.waitForTimeout(60);
+    await page.waitForTimeout(40);
   }
-  await page.waitForTimeout(700);
+  await cutEnds();
   await page.mouse.up();
-  await page.waitForTimeout(400);
   return {hint, gauge};
 }
 
@@ -117,8 +127,7 @@ for (const [name, from, length] of [
     const closed = await gap();
     await page.keyboard.press('g');
     await drag(page, {x: x + 40, y: from.y + 0.12 * (bottom - top)}, 90, 0);
-    await page.waitForTimeout(1200);
-    const open = await gap();
+    const open = await comesTo(gap, widest => widest > closed + 2e-3);
     check(
       open > closed + 2e-3,
       `pulled beside it, it gapes: from ${(1e3 * closed).toFixed(1)} to ${(1e3 * open).toFixed(1)} mm`,

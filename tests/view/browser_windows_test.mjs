@@ -1,6 +1,6 @@
 // The page in small windows, in a headless Chromium: everything can be reached, and the organ is seen whole.
 // Usage: node browser_windows_test.mjs LOBE_VIEW SCENE MODULES OUT
-import {openPage, until} from './page_support.mjs';
+import {comesTo, openPage, until} from './page_support.mjs';
 
 const {page, check, shot, end} = await openPage({width: 800, height: 600}, {hasTouch: true});
 check(await until(page, () => window.lobe?.frames > 2 && lobe.organ.x), 'the page opens');
@@ -46,9 +46,8 @@ for (const [width, height] of [
 ]) {
   const size = `${width} × ${height}`;
   await page.setViewportSize({width, height});
-  await page.waitForTimeout(800);
+  const outside = await comesTo(() => beyond('dock'), pixels => pixels <= 0);
   await isFree('#dock button', `${size}: each button of the dock can be pressed`);
-  const outside = await beyond('dock');
   check(outside <= 0, `all of the organ is seen, ${outside.toFixed(0)} pixels beyond`);
   const status = await page.locator('#status').boundingBox();
   check(
@@ -66,9 +65,9 @@ for (const [width, height] of [
 await page.setViewportSize({width: 390, height: 844});
 await page.click('#tool-paint');
 check(await until(page, () => lobe.mode === 'edit'), 'a phone paints');
-await page.waitForTimeout(800);
+const above = await comesTo(() => beyond('editor'), pixels => pixels <= 0);
 await isFree('#editor :is(button, select)', 'each button of the editor can be pressed');
-check((await beyond('editor')) <= 0, 'and all of the organ is above it');
+check(above <= 0, 'and all of the organ is above it');
 const [hint, finish] = await Promise.all(
   ['#hint', '#editor .finish'].map(selector => page.locator(selector).boundingBox()),
 );

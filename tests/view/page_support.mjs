@@ -59,6 +59,31 @@ export const until = (page, condition, argument) =>
     () => false,
   );
 
+/** Looks until what it sees is right, for three seconds at most; returns what it saw last. */
+export async function comesTo(look, isRight) {
+  const begun = Date.now();
+  for (;;) {
+    const seen = await look();
+    if (isRight(seen) || Date.now() > begun + 3000) return seen;
+    await new Promise(done => setTimeout(done, 40));
+  }
+}
+
+/** Until the force above so much [N] has changed by less than 10 mN for 0.3 s of the simulation. */
+export const settles = async (page, above) => {
+  await page.evaluate(() => (window.last = null));
+  return until(
+    page,
+    above => {
+      const {time} = lobe.status;
+      if (!window.last || Math.abs(lobe.force - window.last.force) > 0.01)
+        window.last = {time, force: lobe.force};
+      return lobe.force > above && time > window.last.time + 0.3;
+    },
+    above,
+  );
+};
+
 /** `drawn()` in the page: red, green, blue and opacity of each pixel of the organ's picture. */
 export const giveDrawn = page =>
   page.addInitScript(() => {

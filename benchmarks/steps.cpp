@@ -277,7 +277,7 @@ void find_orders(std::ostream& csv) {
 void bench_steps(const Options& options) {
   begin_results(options.output, "steps");
   std::ostringstream csv;
-  csv << "part,scheme,safety,damping_1_s,cases,grew,energy,momentum,angular_momentum,evaluations_or_error,"
+  csv << "part,scheme,safety,damping_1_s,cases,grew,energy,momentum,angular_momentum,evaluations,error,"
          "order\n";
   play_chains(options.quick, csv);
   play_blocks(options.quick, csv);

@@ -39,8 +39,10 @@ Law<double> ground() {
   law.further = {0, 0};
   return law;
 }
-Mat3<double> stretched(double a, double b, double c) { return Vec3d(a - 1, b - 1, c - 1).asDiagonal(); }
-double slope_of(double E, double stiffening = k2) {
+Mat3<double> holzapfel_stretched(double a, double b, double c) {
+  return Vec3d(a - 1, b - 1, c - 1).asDiagonal();
+}
+double fibre_slope_of(double E, double stiffening = k2) {
   return E > 0 ? k1 * E * std::exp(stiffening * E * E) : 0;
 }
 
@@ -57,11 +59,11 @@ TEST_CASE("the exponential is that of the standard library") {
 TEST_CASE("stretched along both axes of their plane, fibres add 2w' cos² and 2w' sin² of both families") {
   for (double angle : {0.0, theta, std::numbers::pi / 4, std::numbers::pi / 2})
     for (const auto& [a, b] : {std::pair(1.1, 1.05), std::pair(1.3, 0.95), std::pair(0.95, 1.4)}) {
-      const Mat3<double> H = stretched(a, b, 1 / (a * b));
+      const Mat3<double> H = holzapfel_stretched(a, b, 1 / (a * b));
       const double c = std::cos(angle), s = std::sin(angle), E = a * a * c * c + b * b * s * s - 1;
       const Mat3<double> fibres = law_stress(holzapfel(k2, angle), H) - law_stress(ground(), H),
-                         exact =
-                             4 * slope_of(E) * Vec3d(c * c * a, s * s * b, 0).asDiagonal().toDenseMatrix();
+                         exact = 4 * fibre_slope_of(E) *
+                                 Vec3d(c * c * a, s * s * b, 0).asDiagonal().toDenseMatrix();
       CAPTURE(angle);
       CAPTURE(a);
       CHECK((fibres - exact).norm() < 1e-12 * (exact.norm() + law_stress(ground(), H).norm()));
@@ -80,14 +82,14 @@ TEST_CASE("sheared in their plane, one family is stretched and the other is slac
     const double E = 2 * g * c * s + g * g * s * s, other = -2 * g * c * s + g * g * s * s;
     REQUIRE(other < 0);
     const Mat3<double> fibres = law_stress(holzapfel(k2, angle), H) - law_stress(ground(), H),
-                       exact = 2 * slope_of(E) * Fa * a.transpose();
+                       exact = 2 * fibre_slope_of(E) * Fa * a.transpose();
     CHECK((fibres - exact).norm() < 1e-11 * exact.norm());
   }
 }
 
 TEST_CASE("fibres resist no compression") {
   for (double s : {0.5, 0.8, 0.99}) {
-    const Mat3<double> H = stretched(s, s, 1 / (s * s));
+    const Mat3<double> H = holzapfel_stretched(s, s, 1 / (s * s));
     CHECK((law_stress(holzapfel(), H) - law_stress(ground(), H)).norm() <
           1e-14 * law_stress(ground(), H).norm());
     CHECK(law_energy_density(holzapfel(), H) == near(law_energy_density(ground(), H), 1e-13));
@@ -95,7 +97,7 @@ TEST_CASE("fibres resist no compression") {
 }
 
 TEST_CASE("without k2 fibres are springs, and k2 tends to that") {
-  const Mat3<double> H = stretched(1.3, 1, 1 / 1.3);
+  const Mat3<double> H = holzapfel_stretched(1.3, 1, 1 / 1.3);
   const double E = 1.3 * 1.3 * std::cos(theta) * std::cos(theta) + std::sin(theta) * std::sin(theta) - 1;
   const Mat3<double> springs = law_stress(holzapfel(0), H);
   CHECK(springs(0, 0) - law_stress(ground(), H)(0, 0) ==
@@ -105,7 +107,7 @@ TEST_CASE("without k2 fibres are springs, and k2 tends to that") {
 }
 
 TEST_CASE("far stretched, fibres go on by a polynomial, without a jump up to the second derivative") {
-  const auto at = [](double E) { return stretched(std::sqrt(1 + E), 1, 1); };
+  const auto at = [](double E) { return holzapfel_stretched(std::sqrt(1 + E), 1, 1); };
   const Law<double> law = holzapfel(k2, 0);
   const double most = 4 / std::sqrt(k2), h = 1e-9;
   const Vec3d alpha(30, -10, 20);

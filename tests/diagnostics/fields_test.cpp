@@ -168,7 +168,7 @@ TEST_CASE("a frame says which tetrahedra a lattice moves: those of four embedded
   CHECK_FALSE(read_mesh(folder.path / "frame.vtu").cell_data.contains("embedded"));
 }
 
-TEST_CASE("a frame holds the arrays that docs/commands.md promises, tensors as xx, yy, zz, xy, yz, xz") {
+TEST_CASE("a frame holds the arrays that its page promises, tensors as xx, yy, zz, xy, yz, xz") {
   const Folder folder;
   Elements body = elements(RegionModel::nonlinear);
   for (Index t = 0; t < body.topology.tet_count(); ++t) body.labels.push_back(t % 3);

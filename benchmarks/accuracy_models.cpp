@@ -99,7 +99,6 @@ std::vector<Model> make_models(const Setup& setup, std::vector<std::string>& war
   models.push_back({"svk", std::move(svk), 0});
   if (setup.volume_penalty > 0) models.push_back({"svk_volume", with_volume, 0});
   Setup averaged = with_volume;
-  averaged.evaluator = Evaluator::direct;  // the stored one has no nodal pressure
   for (Elastic& elastic : averaged.materials) elastic.nodal_pressure = elastic.lambda > 0;
   models.push_back({"svk_nodal_pressure", std::move(averaged), 0});
   add_reduced(with_volume, models, warnings);

@@ -151,8 +151,6 @@ void bench_cut(const Options& options) {
     cut("tensor-mass", setup, RegionModel::tensor_mass, {1, 10, 100});
     if (size > most_in_batches) continue;
     cut("precomputed", setup, RegionModel::precomputed, {10, 100});
-    setup.evaluator = Evaluator::stored;
-    cut("stored", setup, RegionModel::nonlinear, {10, 100});
   }
   Setup liver = liver_setup();
   cut("precomputed liver", liver, RegionModel::precomputed, {10, 100});

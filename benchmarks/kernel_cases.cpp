@@ -12,6 +12,7 @@
 #include "lobe/mesh/generators.h"
 #include "lobe/sim/world.h"
 #include "lobe/solve/tangent.h"
+#include "paper/stored_terms.h"
 
 namespace lobe::bench {
 namespace {

@@ -40,9 +40,9 @@ std::vector<Subject> organs(bool quick) {
 }
 
 const std::vector<std::string>& models() {
-  static const std::vector<std::string> all{"nonlinear",   "volume term", "nodal pressure", "stored",
-                                            "tensor-mass", "mixed",       "precomputed",    "corotated",
-                                            "selective",   "reduced"};
+  static const std::vector<std::string> all{"nonlinear",   "volume term", "nodal pressure",
+                                            "tensor-mass", "mixed",       "precomputed",
+                                            "corotated",   "selective",   "reduced"};
   return all;
 }
 
@@ -57,7 +57,6 @@ Setup tissue(const TetMesh& mesh, const std::string& model) {
   setup.guard_below = 0.2;
   setup.volume_penalty = model == "volume term" || model == "selective" ? 1e5 : 0;
   setup.selective_mass = model == "selective" ? 9 : 1;
-  setup.evaluator = model == "stored" ? Evaluator::stored : Evaluator::direct;
   if (model == "corotated") setup.precomputed_frame = RegionFrame::corotated;
   if (model != "mixed" && model != "precomputed" && model != "corotated") return setup;
   const double middle = mesh.points.row(0).mean();

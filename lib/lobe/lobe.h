@@ -42,9 +42,7 @@
 //   linear region: a tensor-mass or a pre-computed region; right for small strains with little rotation, or
 //     with a corotated frame also where it turns as a whole.
 //   tensor-mass region: a linear region that moves with its own inertia; not the paper's non-linear
-//     tensor-mass model, which is one way to compute non-linear regions (the evaluator stored).
-//   evaluator: how forces of non-linear regions are computed: direct, in closed form, or stored, from stored
-//     stiffness parameters.
+//     tensor-mass model, which is another way to compute the forces of a non-linear region.
 //   pre-computed region: a linear region that is condensed to its interface; precomputed in scenes.
 //   interface: the vertices that a region shares with other regions.
 //   condense: to eliminate the interior of a linear region, so that only its interface remains (static

@@ -234,12 +234,6 @@ TEST_CASE("cut = rebuilt, tetrahedron by tetrahedron in random order down to not
   remove_everything<double>(hybrid_setup(irregular_box(2)), 1e-12, 1);
 }
 
-TEST_CASE("cut = rebuilt with the stored evaluator") {
-  Setup setup = hybrid_setup(irregular_box(2));
-  setup.evaluator = Evaluator::stored;
-  remove_everything<double>(setup, 1e-12, 1);
-}
-
 TEST_CASE("cut = rebuilt with nodal pressure") {
   remove_everything<double>(averaged(hybrid_setup(irregular_box(2))), 1e-12, 1);
   remove_everything<double>(averaged(hybrid_setup(irregular_box(4))), 1e-12, 23);

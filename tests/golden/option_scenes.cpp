@@ -55,9 +55,6 @@ std::vector<Index> tets_around(const Setup& setup, const Vec3d& centre, double r
 void add_options(std::vector<GoldenRun>& runs) {
   Setup setup = box_with_tools(RegionModel::tensor_mass);
   add_golden(runs, "tensor-mass half", setup, frames, frame, nothing);
-  setup.evaluator = Evaluator::stored;
-  setup.loose_pieces = LoosePieces::vanish;
-  add_golden(runs, "stored evaluator, loose pieces vanish", setup, frames, frame, nothing);
 
   setup = box_with_tools(RegionModel::precomputed);
   add_golden(runs, "precomputed half", setup, frames, frame, nothing);

@@ -88,21 +88,6 @@ TEST_CASE("forces and energies of regions and solvers are those of the law") {
                    law_stress(one.law, one.H) * F.transpose() / F.determinant()) < 1e-13);
 }
 
-TEST_CASE("what the stored evaluator leaves to others is the law without SVK") {
-  OneTetrahedron one;
-  one.setup.materials[0].nodal_pressure = 0;
-  one.setup.evaluator = Evaluator::stored;
-  const Law<double> law = nonlinear_law(Elements(one.setup), 0);
-  const Mat34<double> f =
-      corner_forces<double>(one.s.volume * law_stress(law, one.H), one.s.gradients.rightCols<3>());
-  CHECK(difference(forces<double>(one.setup, one.u), f) < 1e-12);
-  one.setup.volume_penalty = 0;
-  const Law<double> guarded = nonlinear_law(Elements(one.setup), 0);
-  const Mat34<double> without =
-      corner_forces<double>(one.s.volume * law_stress(guarded, one.H), one.s.gradients.rightCols<3>());
-  CHECK(difference(forces<double>(one.setup, one.u), without) < 1e-12);
-}
-
 // Beside the law at given pressures, four nodes with (Fα)⊗(Fα) wλ/V_n (V/4)² each, V_n = V/4.
 TEST_CASE("stiffnesses of regions, solvers and the time step are those of the law") {
   const OneTetrahedron one;

@@ -50,19 +50,11 @@ TEST_CASE("a non-linear body of doubled tetrahedra that share their volume is th
   check_that_doubled_is_the_same(setup);
 }
 
-TEST_CASE("so it is with the stored evaluator") {
-  Setup setup = clamped(setup_of(irregular_box()));
-  setup.evaluator = Evaluator::stored;
-  check_that_doubled_is_the_same(setup);
-}
-
 TEST_CASE("so it is with fibres, in every region, and with a neo-Hookean material") {
   Setup fibrous = clamped(fibrous_setup(irregular_box()));
   check_that_doubled_is_the_same(fibrous);
   for (std::size_t t = 0; t < fibrous.region_of.size(); t += 2)
     fibrous.region_of[t] = RegionModel::tensor_mass;
-  check_that_doubled_is_the_same(fibrous);
-  fibrous.evaluator = Evaluator::stored;
   check_that_doubled_is_the_same(fibrous);
   check_that_doubled_is_the_same(clamped(neo_hookean_setup(irregular_box())));
 }

@@ -83,9 +83,6 @@ TEST_CASE("energies, momenta, masses and forces are the same before and after a 
   check_that_a_cut_changes_nothing_at_once(setup_of(block(), RegionModel::tensor_mass));
   check_that_a_cut_changes_nothing_at_once(fibrous_setup(block()));
   check_that_a_cut_changes_nothing_at_once(neo_hookean_setup(block()));
-  Setup stored = setup_of(block());
-  stored.evaluator = Evaluator::stored;
-  check_that_a_cut_changes_nothing_at_once(stored);
 }
 
 // Of the copies of a vertex each has the mean volume of its own tetrahedra.
@@ -114,9 +111,6 @@ TEST_CASE("a cut body equals one built afresh, also after removals and changes o
   check_that_it_equals_one_built_afresh(averaged(hybrid_setup(block())));
   check_that_it_equals_one_built_afresh(smoothed(setup_of(block())));
   check_that_it_equals_one_built_afresh(smoothed(averaged(setup_of(block()))));
-  Setup stored = setup_of(block());
-  stored.evaluator = Evaluator::stored;
-  check_that_it_equals_one_built_afresh(stored);
   check_that_it_equals_one_built_afresh(fibrous_setup(block()));
   check_that_it_equals_one_built_afresh(neo_hookean_setup(block()));
 }
@@ -348,17 +342,16 @@ TEST_CASE(
 }
 
 TEST_CASE("a blade cuts with every option of a scene") {
-  std::vector<Setup> setups(8, bar_and_blade(0.4));
+  std::vector<Setup> setups(7, bar_and_blade(0.4));
   setups[0].materials[0].nodal_pressure = 1;
   setups[1].selective_mass = 3;
   setups[2].sleep = 1e-6;
   setups[3].guard_below = 0.3;
   setups[3].volume_penalty = 1e5;
-  setups[4].evaluator = Evaluator::stored;
-  setups[5].integrator = Integrator::generalised_alpha;
-  setups[5].implicit_step = 1.0 / 60;
-  setups[6].scalpels[0].along_faces = true;
-  setups[7].materials[0].element = ElementType::edge_smoothed;
+  setups[4].integrator = Integrator::generalised_alpha;
+  setups[4].implicit_step = 1.0 / 60;
+  setups[5].scalpels[0].along_faces = true;
+  setups[6].materials[0].element = ElementType::edge_smoothed;
   for (const Setup& setup : setups) {
     CAPTURE(&setup - setups.data());
     World<double> world(setup);

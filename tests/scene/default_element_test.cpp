@@ -38,15 +38,6 @@ const Elastic& only(const Setup& setup) { return setup.materials.at(0); }
 
 json with_model(const char* model) { return {{"regions", {{{"model", model}}}}}; }
 
-std::string refusal_of(const json& material, const json& rest) {
-  try {
-    setup_of(material, rest);
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "";
-}
-
 }  // namespace
 
 TEST_CASE("a scene that names no element has edge-smoothed tetrahedra, and one that names one has that") {
@@ -69,15 +60,6 @@ TEST_CASE("every model takes the default but a reduced one") {
           .element == ElementType::edge_smoothed);
 }
 
-TEST_CASE("the stored evaluator keeps plain tetrahedra, and refuses smoothed ones that are asked for") {
-  const json stored = {{"evaluator", "stored"}};
-  CHECK_FALSE(only(setup_of(json::object(), stored)).is_smoothed());
-  CHECK(refusal_of({{"element", "tetrahedron"}}, stored).empty());
-  CHECK(refusal_of({{"element", "edge-smoothed"}}, stored)
-            .starts_with(
-                "/materials/0/element: \"element\": \"edge-smoothed\" does not go with \"evaluator\""));
-}
-
 TEST_CASE("near incompressibility smoothed tetrahedra have nodal pressure unless the scene says otherwise") {
   const auto nearly = [](json more = json::object()) {
     more["poisson_ratio"] = 0.49;
@@ -95,7 +77,6 @@ TEST_CASE("near incompressibility smoothed tetrahedra have nodal pressure unless
 TEST_CASE("nodal pressure is no default beside what it does not go with") {
   const json nearly = {{"poisson_ratio", 0.49}};
   CHECK(only(setup_of(nearly, {{"time", {{"sleep", 1e-5}}}})).nodal_pressure == 0);
-  CHECK(only(setup_of(nearly, {{"evaluator", "stored"}})).nodal_pressure == 0);
   CHECK(only(setup_of(nearly, with_model("precomputed"))).nodal_pressure == 0);
   CHECK(only(setup_of(nearly, with_model("tensor-mass"))).nodal_pressure == 1);
 }

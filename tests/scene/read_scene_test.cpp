@@ -109,7 +109,6 @@ TEST_CASE("tools, time and output are read") {
   CHECK(scene.skin == "skin.obj");
   CHECK(scene.gravity == Vec3d(0, 0, -9.81));
   CHECK(scene.loose_pieces == LoosePieces::vanish);
-  CHECK(scene.evaluator == Evaluator::stored);
   CHECK(scene.time.duration == 2);
   CHECK(scene.time.frame == 0.02);
   CHECK(scene.time.damping == 20);

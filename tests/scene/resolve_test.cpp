@@ -58,8 +58,7 @@ const std::string clamp = R"({"fix": true, "where": {"box": {"min": [-1, -1, -1]
 }  // namespace
 
 TEST_CASE("a plain scene resolves without a warning") {
-  const Resolved result =
-      resolved(R"({"volume_penalty": 5, "guard_below": 0.3, "gravity": [0, 0, -9.81], "evaluator": "stored",
+  const Resolved result = resolved(R"({"volume_penalty": 5, "guard_below": 0.3, "gravity": [0, 0, -9.81],
     "loose_pieces": "stay", "time": {"damping": 3, "safety": 0.5, "selective_mass": 5, "ramp": 0.2, "load_ramp": 0.3, "sleep": 1e-5}})");
   const Setup& setup = result.setup;
   CHECK(result.warnings.empty());
@@ -78,7 +77,6 @@ TEST_CASE("a plain scene resolves without a warning") {
   CHECK(setup.volume_penalty == 5);
   CHECK(setup.guard_below == 0.3);
   CHECK(setup.gravity == Vec3d(0, 0, -9.81));
-  CHECK(setup.evaluator == Evaluator::stored);
   CHECK(setup.loose_pieces == LoosePieces::stay);
   CHECK(setup.damping == 3);
   CHECK(setup.safety == 0.5);
@@ -488,15 +486,6 @@ TEST_CASE("nodal pressure silences the warning of locking where it acts, and onl
                  R"(, "regions": [{"model": "tensor-mass", "where": {"tetrahedra": [3, 4]}}]})") ==
         "/materials/0: Poisson's ratio 0.49: linear tetrahedra lock (respond too stiffly) above 0.45, and "
         "nodal_pressure does not reach 2 tetrahedra in linear or corotational regions");
-}
-
-TEST_CASE("nodal pressure is refused with the stored evaluator") {
-  CHECK(faults(R"({"evaluator": "stored",
-                   "materials": [{"lame_lambda": 4e4, "lame_mu": 1e4, "nodal_pressure": true}]})") ==
-        "/materials/0/nodal_pressure: \"nodal_pressure\" does not go with \"evaluator\": \"stored\": the "
-        "stored polynomial has no averages of several tetrahedra; use \"direct\"");
-  CHECK(faults(R"({"evaluator": "stored",
-                   "materials": [{"lame_lambda": 4e4, "lame_mu": 1e4, "nodal_pressure": false}]})") == "");
 }
 
 TEST_CASE("sleep is refused beside nodal pressure and implicit steps") {

@@ -50,7 +50,6 @@ inline const std::string full_scene = R"({
     {"name": "suspension", "ligament": {"from": [0, 0, 0], "to_world": [0, 0, 0.1], "stiffness": 200}}
   ],
   "loose_pieces": "vanish",
-  "evaluator": "stored",
   "skin": "skin.obj",
   "time": {"duration": 2.0, "frame": 0.02, "damping": 20, "safety": 0.8, "cut_step": 0.5, "selective_mass": 9, "ramp": 0.25, "load_ramp": 0.5, "sleep": 1e-5, "precision": "double",
            "integrator": "implicit", "step": 0.005, "spectral_radius": 1.0},

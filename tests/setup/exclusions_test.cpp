@@ -42,9 +42,6 @@ void ask_for(Setup& setup, Option option) {
     case Option::other_law:
       setup.materials[0].law = MaterialLaw::neo_hookean;
       break;
-    case Option::stored:
-      setup.evaluator = Evaluator::stored;
-      break;
     case Option::sleep:
       setup.sleep = 1e-5;
       break;

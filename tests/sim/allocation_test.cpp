@@ -65,7 +65,6 @@ std::vector<std::pair<std::string, Setup>> all_kinds() {
   const auto add = [&](const std::string& name, const Setup& from, auto&& change) {
     change(kinds.emplace_back(name, from).second);
   };
-  add("stored", hybrid_setup(mesh), [](Setup& s) { s.evaluator = Evaluator::stored; });
   add("guarded", held, [](Setup& s) { s.guard_below = 0.2; });
   add("selective masses", held, [](Setup& s) { s.selective_mass = 9; });
   add("sleeping", held, [](Setup& s) {

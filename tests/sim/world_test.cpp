@@ -360,12 +360,6 @@ TEST_CASE("an inconsistent setup is refused with a message") {
   refused([](Setup& s) { s.material_of[0] = 7; }, "material number");
   refused([](Setup& s) { s.materials[0].nodal_pressure = 1.1; }, "nodal_pressure must be in [0, 1]");
   refused([](Setup& s) { s.materials[0] = {-1, 1e4, 1000, 1}; }, "nodal_pressure needs lambda");
-  refused(
-      [](Setup& s) {
-        s.materials[0].nodal_pressure = 1;
-        s.evaluator = Evaluator::stored;
-      },
-      "use \"direct\"");
   refused([](Setup& s) { s.mesh.tets(0, 5) = 9999; }, "tetrahedron 5 names no vertex");
   refused([](Setup& s) { std::swap(s.mesh.tets(0, 5), s.mesh.tets(1, 5)); },
           "tetrahedron 5 is flat or inverted");

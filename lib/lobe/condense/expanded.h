@@ -11,8 +11,7 @@ class ExpandedRegion {
   static constexpr RegionModel model = RegionModel::nonlinear;
 
   // A region that is not `expandable` takes no tetrahedra.
-  explicit ExpandedRegion(bool expandable = false, Evaluator evaluator = Evaluator::direct)
-      : expandable_(expandable), region_(evaluator) {}
+  explicit ExpandedRegion(bool expandable = false) : expandable_(expandable) {}
 
   void set_expanded(bool is_expanded) { is_expanded_ = is_expanded; }
 

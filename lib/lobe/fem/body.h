@@ -32,7 +32,6 @@ enum class RegionFrame : std::uint8_t {
   fixed,     // a linear region's displacements are those in space
   corotated  // those from a rigid motion that follows the region (condense/rigid_frame.h)
 };
-enum class Evaluator : std::uint8_t { direct, stored };  // of the non-linear model: closed form, or B, C, D
 
 // Where a tetrahedron has its strain: alone, or averaged around each of its edges (fem/smoothed_edge.h).
 enum class ElementType : std::uint8_t { tetrahedron, edge_smoothed };

@@ -93,9 +93,6 @@ struct Terms {
     own.volume = own.pressure = own.guard = false;
     return own;
   }
-  constexpr Terms without_solid() const {
-    return {.solid = MaterialLaw::none, .volume = volume, .guard = guard};
-  }
 };
 
 template <class T>

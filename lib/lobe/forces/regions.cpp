@@ -29,10 +29,10 @@ template <class Real>
 RegionList<Real> region_list(const Setup& setup, const CondensingLog::Progress& progress) {
   return {PrecomputedRegion<Real>(CondensingLog(progress), make_supernodal),
           TensorMassRegion<Real>(),
-          NonlinearRegion<Real>(setup.evaluator),
+          NonlinearRegion<Real>(),
           CorotationalRegion<Real>(),
-          LatticeRegion<Real>(setup.lattice_cell, setup.evaluator),
-          ExpandedRegion<Real>(setup.expandable, setup.evaluator)};
+          LatticeRegion<Real>(setup.lattice_cell),
+          ExpandedRegion<Real>(setup.expandable)};
 }
 
 }  // namespace

@@ -156,7 +156,7 @@ void LatticeRegion<Real>::build(const Elements& elements) {
     past_patches_.evaluated += sums.count().evaluated;
     past_patches_.skipped += sums.count().skipped;
   });
-  full_ = NonlinearRegion<Real>(evaluator_);
+  full_ = NonlinearRegion<Real>();
   RegionEdit edit;
   if (any_embedded()) edit.entered = embedding_.full;
   full_.follow(elements, edit, RegionModel::reduced);

@@ -28,8 +28,7 @@ template <class Real>
 class LatticeRegion {
  public:
   // `cell`: edge of the cells [m]; 0: chosen by choose_lattice().
-  explicit LatticeRegion(double cell = 0, Evaluator evaluator = Evaluator::direct)
-      : cell_(cell), evaluator_(evaluator), all_(evaluator), full_(evaluator) {}
+  explicit LatticeRegion(double cell = 0) : cell_(cell) {}
 
   Index tet_count() const { return tet_count_; }
   bool has(Index tet) const { return membership(tet) == Membership::inside; }
@@ -41,7 +40,7 @@ class LatticeRegion {
   const Lattice& lattice() const { return lattice_; }
   const Embedding& embedding() const { return embedding_; }
   Index full_tet_count() const { return any_embedded() ? full_.tet_count() : tet_count_; }
-  PatchCount past_patches() const { return past_patches_; }  // of evaluators that embed() has replaced
+  PatchCount past_patches() const { return past_patches_; }  // of regions that embed() has replaced
   // To nodes and to vertices of full tetrahedra, so that they need no shorter steps [kg].
   double mass_added() const { return mass_added_ + zone_mass_.sum(); }
 
@@ -229,7 +228,6 @@ class LatticeRegion {
   void take_loads(const Elements& elements, std::vector<double>& mass, Loads<Real>& loads);
 
   double cell_;
-  Evaluator evaluator_;
   std::vector<Membership> member_;  // per tetrahedron
   Index tet_count_ = 0;
   std::vector<Index> vertices_;

@@ -13,8 +13,6 @@ constexpr Terms averaged(MaterialLaw law) { return {.solid = law, .volume = true
 // A patch takes the first entry that covers its law.
 inline constexpr Terms compiled_terms[] = {{},
                                            {.volume = true},
-                                           {.solid = MaterialLaw::none},
-                                           {.solid = MaterialLaw::none, .volume = true},
                                            {.pressure = true},
                                            {.fibre = true},
                                            {.volume = true, .fibre = true},

@@ -25,7 +25,7 @@ class CorotationalRegion {
                   Mat3X<Real>& f,        // 3 × #vertices [N]
                   Parallel& parallel) {
     if (tet_count() == 0) return;
-    elements_.add_forces(u, f, ElementPart::all, parallel);
+    elements_.add_forces(u, f, parallel);
     smoothed_.add_forces(u, f, parallel);
   }
   template <class Visit>  // visit(layout, sums)

@@ -1,11 +1,9 @@
-// The non-linear region: tetrahedra with large displacements. Plain ones have one of two evaluators, which
-// have the same result. Of edge-smoothed ones, the domains have the law, and each tetrahedron has the volume
-// term and the guard.
+// The non-linear region: tetrahedra with large displacements. Of edge-smoothed ones, the domains have the
+// law, and each tetrahedron has the volume term and the guard.
 #pragma once
 
 #include "lobe/region/patches.h"
 #include "lobe/region/smoothed_patches.h"
-#include "lobe/region/stored_terms.h"
 
 namespace lobe {
 
@@ -14,32 +12,25 @@ class NonlinearRegion {
  public:
   static constexpr RegionModel model = RegionModel::nonlinear;
 
-  // The stored evaluator computes SVK and fibres; other terms of the law are evaluated directly.
-  explicit NonlinearRegion(Evaluator evaluator = Evaluator::direct,
-                           InstructionSet set = chosen_instruction_set())
-      : evaluator_(evaluator), elements_(set), terms_(set), smoothed_(set) {}
+  explicit NonlinearRegion(InstructionSet set = chosen_instruction_set()) : elements_(set), smoothed_(set) {}
 
   // Takes the tetrahedra of this model.
   void follow(const Elements& elements, const RegionEdit& edit, RegionModel model = RegionModel::nonlinear) {
     elements_.follow(elements, edit.left, edit.entered, model);
     smoothed_.follow(elements, edit.left, edit.entered, model);
-    if (evaluator_ == Evaluator::stored) terms_.follow(elements, edit.left, edit.entered, model);
   }
 
   Index tet_count() const { return elements_.tet_count(); }
 
   void add_forces(const Mat3X<Real>& u, Mat3X<Real>& f, Parallel& parallel) {
     if (tet_count() == 0) return;
-    if (evaluator_ == Evaluator::stored) terms_.add_forces(u, f, parallel);
-    elements_.add_forces(u, f, evaluator_ == Evaluator::stored ? ElementPart::without_svk : ElementPart::all,
-                         parallel);
+    elements_.add_forces(u, f, parallel);
     smoothed_.add_forces(u, f, parallel);
   }
 
-  template <class Visit>  // visit(layout, sums), of each evaluator
+  template <class Visit>  // visit(layout, sums), of plain and of smoothed tetrahedra
   void visit_patches(Visit&& visit) {
     elements_.visit_patches(visit);
-    terms_.visit_patches(visit);
     smoothed_.visit_patches(visit);
   }
 
@@ -52,9 +43,7 @@ class NonlinearRegion {
   }
 
  private:
-  Evaluator evaluator_;
   Patches<Real> elements_;
-  StoredTerms<Real> terms_;
   SmoothedPatches<Real> smoothed_;
 };
 

@@ -36,9 +36,7 @@ void Patches<Real>::find_pressures(const Mat3X<Real>& u, Parallel& parallel) {
 }
 
 template <class Real>
-void Patches<Real>::add_forces(const Mat3X<Real>& u, Mat3X<Real>& f, ElementPart part, Parallel& parallel) {
-  const auto is_svk = [](const Law<double>& law) { return law.terms == Terms{.fibre = law.terms.fibre}; };
-  if (part == ElementPart::without_svk && std::all_of(laws_.begin(), laws_.end(), is_svk)) return;
+void Patches<Real>::add_forces(const Mat3X<Real>& u, Mat3X<Real>& f, Parallel& parallel) {
   // Smoothing domains compute the forces of their tetrahedra (tet_owners.h).
   const auto is_of_domains = [](const auto& law) { return law.terms.solid == MaterialLaw::none; };
   if (std::all_of(laws_.begin(), laws_.end(), is_of_domains)) return;
@@ -47,9 +45,8 @@ void Patches<Real>::add_forces(const Mat3X<Real>& u, Mat3X<Real>& f, ElementPart
   // threshold (with a margin for rounding) is evaluated again, with the guard.
   sums_.add_forces(layout_, u, f, parallel,
                    [&](Index p, const LocalVectors& local, PaddedVector<Real>* sums) {
-                     PatchArrays<Real> patch = arrays(p, local);
+                     const PatchArrays<Real> patch = arrays(p, local);
                      if (is_of_domains(patch.law)) return;
-                     if (part == ElementPart::without_svk) patch.law.terms = patch.law.terms.without_solid();
                      const Guarding guarding = patch.law.terms.guard ? Guarding::asked : Guarding::off;
                      const Real smallest = kernels_.add_forces(patch, guarding, sums);
                      if (smallest >= Real(1.01f) * patch.law.guard_threshold) return;

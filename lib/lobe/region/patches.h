@@ -10,10 +10,6 @@
 
 namespace lobe {
 
-// Which terms of the law are evaluated. without_svk: not those that the stored evaluator computes, and no
-// nodal pressure.
-enum class ElementPart { all, without_svk };
-
 template <class Real>
 class Patches {
  public:
@@ -26,7 +22,7 @@ class Patches {
 
   void add_forces(const Mat3X<Real>& u,  // 3 × #vertices [m]
                   Mat3X<Real>& f,        // 3 × #vertices [N]
-                  ElementPart part, Parallel& parallel);
+                  Parallel& parallel);
   double energy(const Mat3X<Real>& u);  // [J]
 
   template <class Visit>  // visit(layout, sums)

@@ -4,35 +4,10 @@
 #include "lobe/fem/law.h"
 #include "lobe/region/compiled_terms.h"
 #include "lobe/region/element_lanes.h"
+#include "lobe/region/lane_sums.h"
 
 namespace lobe::LOBE_KERNELS {
 namespace {
-
-// Adds lane by lane, so that the order of the sums, and so their bits, does not depend on the width.
-// `numbers`: of the vertices of the lanes of each column.
-template <class T, int n, class Numbers, class Real = typename T::value_type>
-void add_to_vertices(const Eigen::Matrix<T, 3, n>& forces, const Numbers& numbers, int first, Real* sums) {
-  using Vectors = PaddedVectors<T>;
-  using Four [[gnu::vector_size(4 * sizeof(Real))]] = Real;
-  alignas(64) Real at_corners[n][4 * Vectors::count];
-  for (int c = 0; c < n; ++c) Vectors::store(forces.col(c), at_corners[c]);
-  unrolled<n * Vectors::count>([&](int i) {
-    const int lane = i / n, c = i % n;
-    Four sum, lane_sum;
-    Real* place = sums + 4 * numbers[c][first + lane];
-    std::memcpy(&sum, place, sizeof sum);
-    std::memcpy(&lane_sum, at_corners[c] + Vectors::offset(lane), sizeof lane_sum);
-    sum += lane_sum;
-    std::memcpy(place, &sum, sizeof sum);
-  });
-}
-
-// Prefetches data some blocks ahead. The prefetcher of the processor stops at every page and patch.
-template <class Block>
-void prefetch(const Block* block) {
-  const char* bytes = reinterpret_cast<const char*>(block + 4);
-  for (std::size_t line = 0; line < sizeof(Block); line += 64) __builtin_prefetch(bytes + line);
-}
 
 // The law of each lane at the pressure of its nodes, with its fibre.
 template <Terms terms, class Real, class T = Pack<Real>>
@@ -56,7 +31,6 @@ template <class Real, Terms terms, Guarding guarding>
 LOBE_FLATTEN Real add_forces_of(const PatchArrays<Real>& patch, Real* sums) {
   using T = Pack<Real>;
   using Lanes = ElementLanes<T>;
-  constexpr bool any_force = !(terms == Terms{.solid = MaterialLaw::none}) || guarding == Guarding::acting;
   T smallest = 1;
   for (Index b = 0; b < patch.block_count; ++b) {
     prefetch(patch.blocks + b);
@@ -65,7 +39,6 @@ LOBE_FLATTEN Real add_forces_of(const PatchArrays<Real>& patch, Real* sums) {
       const Lanes e(patch.blocks[b], first, patch.u);
       law.terms = with_guard(terms, guarding == Guarding::acting);
       if constexpr (guarding == Guarding::asked) smallest = min(smallest, volume_ratio(e.H));
-      if constexpr (!any_force) continue;
       const Mat3<T> VP = law_stress(law.times(e.V), e.H);
       add_to_vertices<T>(corner_forces(VP, e.alpha), patch.blocks[b].corners, first, sums);
     }
@@ -162,39 +135,6 @@ Real add_stiffness(const PatchArrays<Real>& patch, StiffnessPart part, PaddedVec
                                : add_stiffness_part<Real, StiffnessPart::diagonal, false>(patch, sums);
 }
 
-template <class Real, class Terms>
-LOBE_FLATTEN void add_forces_of_terms(const TermBlocks<Real, Terms>& terms, const Real* u, Real* sums) {
-  using T = Pack<Real>;
-  constexpr int n = Terms::vertices;
-  for (Index b = 0; b < terms.count; ++b) {
-    const TermBlock<Real, Terms>& block = terms.blocks[b];
-    prefetch(&block);
-    for (int first = 0; first < block.width; first += int(T::size())) {
-      T c[Terms::size];
-      for (int k = 0; k < Terms::size; ++k) c[k].copy_from(&block.values[k][first]);
-      Vec3<T> at[n], f[n];
-      unrolled<n>([&](int i) { at[i] = PaddedVectors<T>::load(u, &block.vertices[i][first]); });
-      if constexpr (n == 1) f[0] = vertex_force(c, at[0]);
-      if constexpr (n == 2) edge_forces(c, at[0], at[1], f[0], f[1]);
-      if constexpr (n == 3) triangle_forces(c, at[0], at[1], at[2], f[0], f[1], f[2]);
-      if constexpr (n == 4) tet_term_forces(c, at[0], at[1], at[2], at[3], f[0], f[1], f[2], f[3]);
-      Eigen::Matrix<T, 3, n> forces;
-      for (int i = 0; i < n; ++i) forces.col(i) = f[i];
-      add_to_vertices<T>(forces, block.vertices, first, sums);
-    }
-  }
-}
-
-template <class Real>
-void add_term_forces(const TermArrays<Real>& patch, PaddedVector<Real>* f) {
-  const Real* u = &patch.u->xyz0[0];
-  Real* sums = &f->xyz0[0];
-  add_forces_of_terms(patch.vertices, u, sums);
-  add_forces_of_terms(patch.edges, u, sums);
-  add_forces_of_terms(patch.triangles, u, sums);
-  add_forces_of_terms(patch.tets, u, sums);
-}
-
 // f_i = −K_ij d, f_j = K_ijᵀ d with d = u_j − u_i.
 template <class Real>
 LOBE_FLATTEN void add_edge_forces(const EdgeBlock<Real>* blocks, Index count, const PaddedVector<Real>* u,
@@ -219,9 +159,8 @@ LOBE_FLATTEN void add_edge_forces(const EdgeBlock<Real>* blocks, Index count, co
 }  // namespace
 
 extern const WideKernels<float> single_kernels{add_forces<float>, volume_strains<float>, add_stiffness<float>,
-                                               add_term_forces<float>, add_edge_forces<float>};
+                                               add_edge_forces<float>};
 extern const WideKernels<double> double_kernels{add_forces<double>, volume_strains<double>,
-                                                add_stiffness<double>, add_term_forces<double>,
-                                                add_edge_forces<double>};
+                                                add_stiffness<double>, add_edge_forces<double>};
 
 }  // namespace lobe::LOBE_KERNELS

@@ -6,7 +6,6 @@
 #include "lobe/fem/law_moduli.h"
 #include "lobe/instruction_set.h"
 #include "lobe/region/element_block.h"
-#include "lobe/region/term_block.h"
 
 namespace lobe {
 
@@ -36,9 +35,7 @@ struct WideKernels {
   // Adds three of the six entries of the stiffness that each vertex feels when it moves while its neighbours
   // are held [N/m]. Returns the smallest det F.
   Real (*add_stiffness)(const PatchArrays<Real>& patch, StiffnessPart part, PaddedVector<Real>* K);
-  // The same for the terms of the stored evaluator, carrier by carrier.
-  void (*add_term_forces)(const TermArrays<Real>& patch, PaddedVector<Real>* f);
-  // The same for the edges of a linear patch, which has `count` blocks.
+  // Adds the forces of the edges of a linear patch, which has `count` blocks, edge by edge.
   void (*add_edge_forces)(const EdgeBlock<Real>* blocks, Index count, const PaddedVector<Real>* u,
                           PaddedVector<Real>* f);
 };

@@ -371,7 +371,6 @@ Scene from_document(const json& document) {
   const std::string pieces = document.value("loose_pieces", "fall");
   if (pieces == "vanish") scene.loose_pieces = LoosePieces::vanish;
   if (pieces == "stay") scene.loose_pieces = LoosePieces::stay;
-  if (document.value("evaluator", "direct") == "stored") scene.evaluator = Evaluator::stored;
   read_path(document, "skin", scene.skin);
   if (document.contains("time")) read_time(document["time"], scene.time);
   if (document.contains("output")) {

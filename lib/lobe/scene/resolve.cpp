@@ -227,7 +227,6 @@ Resolved resolve(const Scene& scene, TetMesh mesh, const ResolveOptions& options
   setup.gravity = scene.gravity;
   setup.volume_penalty = scene.volume_penalty;
   setup.guard_below = scene.guard_below;
-  setup.evaluator = scene.evaluator;
   setup.loose_pieces = scene.loose_pieces;
   setup.damping = scene.time.damping;
   setup.safety = scene.time.safety;

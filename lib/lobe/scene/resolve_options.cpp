@@ -64,8 +64,6 @@ std::vector<std::string> places_of(const Scene& scene, Option option) {
                        [](const Material& material) { return material.law != MaterialLaw::svk; });
     case Option::automatic:
       return place_if(scene.auto_regions.has_value(), "/regions/auto");
-    case Option::stored:
-      return place_if(scene.evaluator == Evaluator::stored, "/evaluator");
     case Option::sleep:
       return place_if(time.sleep > 0, "/time/sleep");
     case Option::selective_mass:

@@ -291,8 +291,6 @@ struct Scene {
   ContactSetup contact;
   std::vector<std::filesystem::path> obstacle_files;  // per obstacle: of its shape, as Tool::shape_file
   LoosePieces loose_pieces = LoosePieces::fall;
-  Evaluator evaluator = Evaluator::direct;
-  // Folder for condensed regions, absolute or relative to the scene file; empty: nothing is stored.
   std::filesystem::path skin;  // OBJ file of a finer surface to show, likewise; empty: there is none
   Time time;
   Output output;

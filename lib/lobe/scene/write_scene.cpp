@@ -286,7 +286,6 @@ std::string to_json(const Scene& scene) {
   document["attachments"] = entries(scene.attachments);
   document["contact"] = write_contact(scene);
   document["loose_pieces"] = pieces[static_cast<int>(scene.loose_pieces)];
-  document["evaluator"] = scene.evaluator == Evaluator::direct ? "direct" : "stored";
   document["skin"] = utf8(scene.skin);
   document["time"] = write(scene.time);
   document["output"] = {{"every", scene.output.every}, {"pictures", scene.output.pictures}};

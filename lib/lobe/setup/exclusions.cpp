@@ -18,10 +18,6 @@ constexpr Exclusion table[] = {
     {Option::force_terms, Option::implicit, "its tangent does not know their stiffness",
      "use external forces, or the explicit integrator"},
     {Option::single_precision, Option::implicit, "its iterations need more digits", "use double precision"},
-    {Option::nodal_pressure, Option::stored, "the stored polynomial has no averages of several tetrahedra",
-     "use \"direct\""},
-    {Option::edge_smoothed, Option::stored, "the stored polynomial is of each tetrahedron alone",
-     "use \"direct\""},
     {corotational, Option::fibres, "its energy is that of a material alike in all directions",
      "use \"nonlinear\""},
     {Option::partly_held, precomputed, "a precomputed region knows wholly held vertices only",
@@ -35,8 +31,6 @@ constexpr Exclusion table[] = {
     {Option::partly_held, Option::sleep, "springs of what sleeps are not watched", "leave one of them out"},
     {Option::partly_held, Option::selective_mass, "it couples masses that the springs add to",
      "leave one of them out"},
-    {Option::other_law, Option::stored, "its energy is no polynomial of degree 4 in displacements",
-     "use \"direct\""},
     {Option::sleep, Option::nodal_pressure, "the pressure of a patch depends on its neighbours",
      "leave one of them out"},
     {Option::expandable, Option::corotated, "an expanded region has no frame", "use a fixed frame"},
@@ -86,8 +80,6 @@ std::string name(Option option) {
       return "a law other than SVK";
     case Option::fibres:
       return "a material with fibres";
-    case Option::stored:
-      return "\"evaluator\": \"stored\"";
     case Option::sleep:
       return "\"sleep\"";
     case Option::selective_mass:
@@ -124,7 +116,6 @@ Options options_of(const Setup& setup) {
   used.add(Option::edge_smoothed, any_smoothed(setup.materials));
   used.add(Option::fibres, any_fibre(setup.materials));
   used.add(Option::other_law, any_other_law(setup.materials));
-  used.add(Option::stored, setup.evaluator == Evaluator::stored);
   used.add(Option::sleep, setup.sleep > 0);
   used.add(Option::selective_mass, setup.selective_mass > 1);
   const bool has_core = std::any_of(setup.cauteries.begin(), setup.cauteries.end(),

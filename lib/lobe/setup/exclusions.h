@@ -24,7 +24,6 @@ enum class Option : std::uint8_t {
   nodal_pressure,
   other_law,  // than St Venant-Kirchhoff
   fibres,
-  stored,
   sleep,
   selective_mass,
   force_terms,  // World::add(), springs

@@ -79,7 +79,6 @@ struct Setup : Body, ToolSetups {
   std::vector<VertexLoad> vertex_loads;
   std::vector<FacePressure> pressures;
   Vec3d gravity = Vec3d::Zero();  // [m/s²]
-  Evaluator evaluator = Evaluator::direct;
   LoosePieces loose_pieces = LoosePieces::fall;
   double damping = 0;  // γ, proportional to mass [1/s]
   // Steps are this share of the stable step 2/ω_max, above 0 and up to 2. Above 1 they are unstable, and only
@@ -109,11 +108,11 @@ struct Setup : Body, ToolSetups {
   static constexpr auto fields = std::tuple_cat(
       Body::fields,
       std::tuple(&Setup::prescribed, &Setup::partly_held, &Setup::face_loads, &Setup::vertex_loads,
-                 &Setup::pressures, &Setup::gravity, &Setup::evaluator, &Setup::loose_pieces, &Setup::damping,
-                 &Setup::safety, &Setup::cut_step, &Setup::cut_frequency, &Setup::selective_mass,
-                 &Setup::integrator, &Setup::implicit_step, &Setup::spectral_radius, &Setup::ramp,
-                 &Setup::load_ramp, &Setup::sleep, &Setup::lattice_cell, &Setup::expandable, &Setup::contact,
-                 &Setup::stitches, &Setup::attachments, &Setup::clips, &Setup::carriers),
+                 &Setup::pressures, &Setup::gravity, &Setup::loose_pieces, &Setup::damping, &Setup::safety,
+                 &Setup::cut_step, &Setup::cut_frequency, &Setup::selective_mass, &Setup::integrator,
+                 &Setup::implicit_step, &Setup::spectral_radius, &Setup::ramp, &Setup::load_ramp,
+                 &Setup::sleep, &Setup::lattice_cell, &Setup::expandable, &Setup::contact, &Setup::stitches,
+                 &Setup::attachments, &Setup::clips, &Setup::carriers),
       ToolSetups::fields);
 };
 

@@ -1,8 +1,8 @@
-// Blocks of terms of the stored evaluator, as wide kernels read them. These are plain arrays.
+// Blocks of stored terms, as wide kernels read them. These are plain arrays.
 #pragma once
 
-#include "lobe/fem/nonlinear_tensor_mass.h"
 #include "lobe/region/element_block.h"
+#include "paper/nonlinear_tensor_mass.h"
 
 namespace lobe {
 

@@ -9,14 +9,14 @@
 #pragma once
 
 #include "lobe/region/patch_sums.h"
-#include "lobe/region/wide_kernels.h"
+#include "paper/term_kernels.h"
 
 namespace lobe {
 
 template <class Real>
 class StoredTerms {
  public:
-  explicit StoredTerms(InstructionSet set = chosen_instruction_set()) : kernels_(wide_kernels<Real>(set)) {}
+  explicit StoredTerms(InstructionSet set = chosen_instruction_set()) : kernels_(term_kernels<Real>(set)) {}
 
   // Computes the terms of all patches that an edit changes again, at O(its tetrahedra) for each.
   void follow(const Elements& elements, const std::vector<Index>& leave, const std::vector<Index>& enter,
@@ -46,7 +46,7 @@ class StoredTerms {
   void gather(const Elements& elements, Index p);
   std::vector<Part> parts_of(Index p) const;
 
-  WideKernels<Real> kernels_;
+  TermKernels<Real> kernels_;
   Layout layout_;
   std::vector<std::array<std::uint8_t, 4>> corners_;  // per slot, as its patch numbers them
   std::vector<Patch> patches_;

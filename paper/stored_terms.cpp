@@ -1,4 +1,4 @@
-#include "lobe/region/stored_terms.h"
+#include "paper/stored_terms.h"
 
 #include <algorithm>
 

@@ -1,4 +1,4 @@
-#include "lobe/fem/nonlinear_tensor_mass.h"
+#include "paper/nonlinear_tensor_mass.h"
 
 #include <doctest/doctest.h>
 

@@ -1,8 +1,9 @@
 """The claims that claims.py checks: a page, and its text with numbers from the tables."""
 import re
 
+import claims_choice
 import claims_scalpel
-from results import ROOT, alone, corrected, high, kernel, low, one, percent, rows, span
+from results import ROOT, alone, corrected, ends, high, kernel, low, one, percent, rows, span
 
 PRECOMPUTED = dict(representation="precomputed", tets=10299)
 UNDECLARED = dict(scene="liver_undeclared", tets=10299)
@@ -58,10 +59,6 @@ def growth_of_energy(precision, *models):
     """Largest energy of the second half of a million steps over that of the first."""
     found = rows("stress", case="undamped and adrift, 0.90 of the limit", precision=precision, model=list(models))
     return [row["energy_late_J"] / row["energy_early_J"] for row in found]
-
-
-def ends(values, form):
-    return " to ".join(format(end, form) for end in (min(values), max(values)))
 
 
 PLAIN = ["nonlinear", "volume term", "nodal pressure", "mixed", "corotated"]
@@ -168,43 +165,6 @@ def loop_that_touches():
             f"{min(ratios):.2f} to {max(ratios):.2f} times that of *linear in time*")
 
 
-def reduced_row(organ, scene, tets):
-    """Of the gesture and its reversal, corrected above 2 %."""
-    found = [rows("reduced", scene=name, tets=tets, regions="reduced-corrected", tolerance=0.02)[0]
-             for name in (scene, scene + "_reversed")]
-    cells = [", ".join(form(row[column]) for row in found) for column, form in (
-        ("speedup", "{:.2f}".format), ("largest_error", percent), ("mean_error", lambda e: percent(e, 2)))]
-    return f"| {organ} | {tets:,} | {cells[0]} times | {cells[1]} | {cells[2]} |"
-
-
-def total(model, column="error_total"):
-    """Of each mesh of the undeclared gesture, from the coarsest on."""
-    found = rows("accuracy_undeclared", model=model, precision="single", safety=0.9)
-    return [row[column] for row in sorted(found, key=lambda row: row["tets"])]
-
-
-def listed(values, form, unit=""):
-    """5.1, 2.1 and 1.0 %"""
-    texts = [form(value).removesuffix(unit) for value in values]
-    return f"{', '.join(texts[:-1])} and {texts[-1]}{unit}"
-
-
-def in_real_time():
-    """The least error in real time is that of selective masses, and none is 1 %."""
-    found = [row for row in rows("accuracy_undeclared", precision="single", wall_s_per_s__le=1) if row["error_total"] != ""]
-    least = min(found, key=lambda row: row["error_total"])
-    assert least["model"] == "selective_mass_corrected" and least["tets"] == 50244 and least["error_total"] > 0.01
-    return "An error of 1 % is not reached in real time"
-
-
-def element(gesture, column="error", name="edge-smoothed"):
-    return one("elements", column, body="liver_10k", gesture=gesture, element=name)
-
-
-def signed(value):
-    return f"{100 * value:+.1f} %".replace("-", "−")
-
-
 KERNELS = "docs/benchmarks/kernels.md"
 CUTS = "docs/benchmarks/cuts.md"
 REAL_TIME = "docs/benchmarks/real_time.md"
@@ -215,7 +175,6 @@ GESTURES = "docs/benchmarks/gestures.md"
 FIGURES = "docs/haptics/figures.md"
 
 
-SURGEONS = "docs/guide/surgeons.md"
 
 
 COST = "docs/contact/cost.md"
@@ -234,15 +193,7 @@ CLAIMS = [
         *(100 * predicted(method, "jump", contact="touch") for method in ("the servo", "linear in time")))),
     ("docs/contact.md", lambda: "Over the tumour the force is {:.1f} times that beside it, and {:.1f} times that of the "
                                 "same place without it".format(*felt())),
-    (R, lambda: f"| sag under its weight | {percent(element('sag', name='plain'))} | {percent(element('sag'))} |"),
-    (R, lambda: f"| force that lifts its left lobe | {signed(element('lift', 'force_excess', 'plain'))} | "
-                f"{signed(element('lift', 'force_excess'))} |"),
-    (R, lambda: f"| force that pulls it aside | {signed(element('aside', 'force_excess', 'plain'))} | "
-                f"{signed(element('aside', 'force_excess'))} |"),
-    (R, lambda: f"| processor time per simulated second | 1 | {element('sag', 'time_ratio'):.1f} times |"),
     (R, lambda: f"tools and cuts included | {realtime(10299, 1):.1f} times real time |"),
-    (R, lambda: f"| total error that is reached in real time, against a refined mesh | {percent(*total('selective_mass_corrected')[2:])} |"),
-    (R, lambda: f"at a total error of {percent(total('svk_volume')[-1])} | {total('svk_volume', 'wall_s_per_s')[-1]:.0f} s |"),
     (R, lambda: f"by a cautery, against a model built afresh | {high(rows('cut'), 'error'):.0e} apart |"),
     (R, lambda: f"by a scalpel, against a model built afresh | {high(rows('scalpel'), 'error'):.0e} apart |"),
     (R, lambda: f"| St Venant-Kirchhoff forces | {kernel('svk'):.2f}; {kernel('svk', precision='double'):.2f} |"),
@@ -293,18 +244,8 @@ CLAIMS = [
                                   f"{len([r for r in rows('stress') if r['unravelling_s'] > 0])} of them a tangle was "
                                   f"unravelled, for {high(rows('stress'), 'unravelling_s'):.1f} s"),
     ("docs/validation.md", lambda: f"{len(rows('validation', passed='yes'))} of {len(rows('validation'))} rows passed"),
-    (B, lambda: f"the total error is {listed(total('svk_volume'), percent, ' %')} on the four meshes. A second then takes "
-                f"{listed(total('svk_volume', 'wall_s_per_s'), '{:.2g}'.format)} s"),
-    (B, lambda: f"In real time {percent(*total('selective_mass_corrected')[2:])} is the least error that was measured on one "
-                "thread: selective masses, corrected, on 50,244 tetrahedra"),
-    (B, in_real_time),
-    (SURGEONS, lambda: f"of ten thousand pieces is {percent(element('sag'))} off"),
-    (B, lambda: f"its sag is {percent(element('sag'))} off, with plain ones {percent(element('sag', name='plain'))}. The force "
-                f"that lifts it is off by {signed(element('lift', 'force_excess'))}, with plain ones by "
-                f"{signed(element('lift', 'force_excess', 'plain'))}. A second takes {element('lift', 'time_ratio'):.1f} times as long"),
     (B, lambda: f"A liver of 10,299 tetrahedra then runs at {realtime(10299, 1):.1f} times real time on one thread"),
     (B, lambda: f"one of 51,586 at {realtime(51586, 2):.2f} times on two threads"),
-    (B, lambda: f"All tensor-mass is {ends([100 * e for e in total('tensor_mass')], '.0f')} % off, on every mesh"),
     (B, lambda: f"`\"selective_mass\": 12` in `time` | {span(corrected(tets__ge=10000), 'speedup')} times | at most "
                 f"{percent(high(corrected(tets__ge=10000), 'largest_error'))} in every frame |"),
     (B, lambda: f"| {by_lattice(50244)} times at 50,244, {by_lattice(200712)} at 200,712 | at most {lattice_error(50244)} in every frame "
@@ -318,12 +259,6 @@ CLAIMS = [
                           f"most {lattice_error(50244)} in every frame"),
     (B, lambda: f"Selective masses reach {span(corrected(tets__ge=10000), 'speedup')} times, reduced regions "
                 f"{by_lattice(10299)} times at 10,299 tetrahedra"),
-    *(("docs/reduced.md", lambda organ=organ, scene=scene, tets=tets: reduced_row(organ, scene, tets)) for organ, scene, tets in (
-        ("liver", "liver_undeclared", 10299), ("liver", "liver_undeclared", 50244), ("liver", "liver_undeclared", 200712),
-        ("kidney", "kidney_undeclared", 15521))),
-    ("docs/reduced.md", lambda: f"50,244 tetrahedra, reduced, are {percent(total('reduced')[2])} off in "
-                                f"{total('reduced', 'wall_s_per_s')[2]:.2f} s per simulated second, all non-linear "
-                                f"{percent(total('svk_volume')[2])} in {total('svk_volume', 'wall_s_per_s')[2]:.1f} s"),
     (KERNELS, lambda: f"The closed form reads {kernel('svk', 'bytes_per_tet'):.0f} bytes per tetrahedron in single precision, the "
                 f"stored one {span(rows('kernels', kernel='svk_stored', precision='single', mesh='cube', threads=1, tets__ge=10000), 'bytes_per_tet', 0)}"),
     (KERNELS, lambda: f"the stored form takes {kernel('svk_stored', tets=10368) / kernel('svk', tets=10368):.0f} to "
@@ -412,4 +347,4 @@ CLAIMS = [
                 f"{beam('ν = 0.499, 2 cells across, nodal pressure 1')} ({beam('ν = 0.499, 4 cells across, nodal pressure 1')}) |"),
     (GESTURES, lambda: f"At 2,925 tetrahedra the tolerance is not kept: the largest error is "
                 f"{span(corrected(tets=2925), 'largest_error', 1, 100)} %"),
-] + claims_scalpel.CLAIMS
+] + claims_choice.CLAIMS + claims_scalpel.CLAIMS

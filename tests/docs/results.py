@@ -41,6 +41,10 @@ def span(found, column, digits=1, factor=1):
     return a if a == b else f"{a} to {b}"
 
 
+def ends(values, form):
+    return " to ".join(format(end, form) for end in (min(values), max(values)))
+
+
 def one(table, column, **wanted):
     found = rows(table, **wanted)
     if len(found) != 1:
@@ -54,7 +58,6 @@ def percent(value, digits=1):
 
 def thousands(value):
     return f"{int(value):,}"
-
 
 
 def corrected(**wanted):

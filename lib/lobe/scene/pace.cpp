@@ -23,7 +23,6 @@ Setup bare(const Setup& setup) {
   static_cast<Body&>(bare) = setup;
   bare.prescribed = setup.prescribed;
   bare.partly_held = setup.partly_held;
-  bare.evaluator = setup.evaluator;
   return bare;
 }
 

@@ -1,6 +1,7 @@
 // Clip appliers, hooks and bodies that carry something, in scenes.
 #include <doctest/doctest.h>
 
+#include <map>
 #include <nlohmann/json.hpp>
 
 #include "folder.h"
@@ -13,6 +14,7 @@
 #include "lobe/scene/resolve.h"
 #include "lobe/scene/scene_mesh.h"
 #include "lobe/scene/write_scene.h"
+#include "lobe/sim/world.h"
 
 using namespace lobe;
 using namespace lobe::test;
@@ -125,4 +127,40 @@ TEST_CASE("a hand brings a clip applier and a hook by their JSON") {
   const ParsedTool hook =
       parse_tool(R"({"type": "cautery", "radius": 0.001, "hook": [0, 0, 0.01], "at": [1, 2, 3]})");
   CHECK(std::get<BringCautery>(hook.command) == BringCautery{"cautery", 0.001, {1, 2, 3}, {0, 0, 0.01}});
+}
+
+TEST_CASE("a duct that is cut between clips does not leak, an artery does not bleed; without clips they do") {
+  const DuctScene duct;
+  json text = duct.document();
+  text["time"] = {{"duration", 1.2}, {"frame", 0.02}, {"damping", 40}};
+  text["tools"] = json::parse(R"([
+    {"type": "scalpel", "surface": "faces", "blade": [0, 0, 0.008],
+     "path": [[0.8, 0.0135, -0.002, -0.002], [1.0, 0.0135, 0.006, -0.002]]},
+    {"type": "clip_applier", "name": "clip", "length": 0.0063, "opening": 0.006, "gap": 0.0026, "path": [
+      [0.02, 0.0055, 0.002, 0.002, 0, 0, 0.7071067811865476, 0.7071067811865476],
+      [0.22, 0.0095, 0.002, 0.002, 0, 0, 0.7071067811865476, 0.7071067811865476],
+      [0.42, 0.0175, 0.002, 0.002, 0, 0, 0.7071067811865476, 0.7071067811865476]]}])");
+  for (const char* carries : {"bile", "blood"})
+    for (const bool is_clipped : {true, false}) {
+      CAPTURE(carries);
+      CAPTURE(is_clipped);
+      text["bodies"][0]["carries"] = carries;
+      json now = text;
+      if (!is_clipped) now["tools"].erase(1);
+      World<float> world(duct.resolved(now).setup);
+      std::map<Event::Kind, int> events;
+      int pieces = 0;
+      for (int i = 0; i < 60; ++i) {
+        const Report report = world.advance(0.02);
+        REQUIRE(report.ok);
+        for (const Event& event : report.events) ++events[event.kind];
+        for (const Condition& condition : report.conditions)
+          pieces += condition.kind == Condition::Kind::pieces;
+      }
+      CHECK(events[Event::Kind::clipped] == (is_clipped ? 3 : 0));
+      const bool is_blood = std::string(carries) == "blood";
+      CHECK((events[Event::Kind::bleeding] > 0) == (is_blood && !is_clipped));
+      CHECK((events[Event::Kind::leak] > 0) == (!is_blood && !is_clipped));
+      CHECK(pieces == 1);  // it was cut through
+    }
 }

@@ -293,3 +293,50 @@ TEST_CASE("a force or a cut of a tool that there never was is a fault of the lib
   }
   CHECK_THROWS_AS(tools.cut_by(1, {}, Vec3d::Zero(), Vec3d::Zero()), BrokenInvariant);  // it is no scalpel
 }
+
+TEST_CASE_TEMPLATE("a hook lifts by its core, burns when it is on, and gives the same bits as paths", Real,
+                   float, double) {
+  constexpr ToolId hook = 1;
+  const Setup setup = body(RegionModel::nonlinear);
+  const auto height = [&](World<Real>& world) {
+    double sum = 0;
+    for (const Index v : far_end(setup)) sum += double(world.displacements()(2, v));
+    return sum / double(far_end(setup).size());
+  };
+  const Vec3d under(0.045, -0.01, -0.006);
+  World<Real> live(setup);
+  double lifted = 0, force = 0;
+  for (int i = 0; i < 24; ++i) {
+    if (i == 1) live.apply(BringCautery{"hook", 0.006, under, {0, 0.07, 0}, 0.004});
+    if (i > 1 && i < 8) live.apply(Lead{hook, {under + Vec3d(0, 0, 0.001 * (i - 1))}});
+    if (i == 16) lifted = height(live), force = live.tools().lists().cauteries.front().force[2];
+    if (i == 16) live.apply(SwitchTool{hook, true});
+    if (i == 18) live.apply(SwitchTool{hook, false});
+    if (i == 20) live.apply(LetGo{hook});
+    REQUIRE(live.advance(frame).ok);
+    if (i < 16) CHECK(live.elements().topology.alive_count() == live.elements().topology.tet_count());
+  }
+  CHECK(lifted > 0.001);
+  CHECK(lifted < 0.006);
+  CHECK(force > 0);
+  CHECK(live.elements().topology.alive_count() < live.elements().topology.tet_count());
+  CHECK(live.tools().lists().cauteries.empty());
+  Setup kept = setup;
+  static_cast<ToolSetups&>(kept) = live.tools().paths();
+  REQUIRE(kept.probes.size() == 1);
+  REQUIRE(kept.cauteries.size() == 1);
+  CHECK(kept.cauteries[0].core == 0);
+  World<Real> played(kept);
+  for (int i = 0; i < 24; ++i) REQUIRE(played.advance(frame).ok);
+  CHECK(played.state().u == live.state().u);
+}
+
+TEST_CASE("a hook whose core is not thinner than its wire is refused") {
+  Setup setup = body();
+  setup.cauteries = {{"hook", 0.0011, {{0, Vec3d::Zero()}}, {0, 0.07, 0}, 0.0011}};
+  CHECK_THROWS_WITH_AS(World<double>{setup}, doctest::Contains("a core of at least 0 m that is thinner"),
+                       InputError);
+  World<double> world(body());
+  for (const double core : {0.001, -0.001})
+    CHECK_THROWS_AS(world.apply(BringCautery{"hook", 0.001, Vec3d::Zero(), Vec3d::Zero(), core}), InputError);
+}

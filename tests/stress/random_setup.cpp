@@ -39,6 +39,7 @@ void choose_regions(Dice& dice, double size, Setup& setup) {
   for (Index t = 0; t < setup.mesh.tet_count(); ++t)
     setup.region_of.push_back(barycentre(setup.mesh, t).x() < size / 2 ? left : right);
   if (dice.says(0.3)) setup.precomputed_frame = RegionFrame::corotated;
+  dice.says(0.15);  // an option that is gone; with its draw a seed has the body that it had
   if (dice.says(0.4)) setup.volume_penalty = 1e5;
   if (dice.says(0.4)) setup.guard_below = 0.2;
   setup.expandable = dice.says(0.5);

@@ -9,6 +9,8 @@
 namespace lobe {
 namespace {
 
+constexpr int most_rounds = 12;  // of measuring levels; squares have grown 12-fold by then
+
 bool is_excluded(const Setup& setup) {
   const auto follows = [](RegionModel model) {
     return model == RegionModel::precomputed || model == RegionModel::reduced;
@@ -66,8 +68,8 @@ Setup part_of(const Setup& setup, Takes&& takes) {
   return part;
 }
 
-// Makes the squares of the corners of some tetrahedra `times` as high, and at least the highest so high that
-// its level falls, which it does above `most`.
+// Makes the squares of the corners of some tetrahedra `times` as high, at least 1.25 times, and at least the
+// highest so high that its level falls, which it does above `most`.
 template <class Takes>
 void raise_squares(const TetMesh& mesh, Takes&& takes, double most, double times,
                    std::vector<double>& squares) {
@@ -78,7 +80,7 @@ void raise_squares(const TetMesh& mesh, Takes&& takes, double most, double times
   double highest = 0;
   for (std::size_t v = 0; v < squares.size(); ++v)
     if (is_corner[v]) highest = std::max(highest, squares[v]);
-  if (highest > 0) times = std::max(times, 1.1 * most / highest);
+  if (highest > 0) times = std::max({times, 1.25, 1.1 * most / highest});
   for (std::size_t v = 0; v < squares.size(); ++v)
     if (is_corner[v]) squares[v] *= times;
 }
@@ -129,7 +131,9 @@ std::optional<Pace> pace_at_rest(const Setup& setup) {
   const auto groups = tied_vertices(setup);
   const auto corners_of = [&](Index t) { return setup.mesh.tets.col(t); };
   std::vector<Level> of_vertices, levels;
+  int rounds = 0;
   do {
+    if (++rounds > most_rounds) return std::nullopt;
     of_vertices = levels_of_vertices(squares, highest);
     step_together(groups, of_vertices);
     levels = levels_of_parts(setup.mesh.tet_count(), corners_of, of_vertices);

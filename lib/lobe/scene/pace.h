@@ -28,7 +28,8 @@ struct Pace {
 
 // Of the setup's mesh, materials, models, held vertices and attachments; of what touches nothing is known at
 // rest. None of a setup with implicit steps, selective masses, pre-computed or reduced regions, where nothing
-// moves, and where no levels were found stable in twelve rounds. Costs as much as building a world without tools, or some of them where it is worth telling.
+// moves, and where no levels were found stable in twelve rounds. Costs as much as building a world without
+// tools, or some of them where it is worth telling.
 std::optional<Pace> pace_at_rest(const Setup& setup);
 
 }  // namespace lobe

@@ -16,5 +16,5 @@ TEST_CASE("lobe bench cut writes a row per region, size and batch, of positive t
     CHECK((std::isfinite(number(row, "rebuild_us")) && number(row, "rebuild_us") > 0));
     CHECK(number(row, "error") <= 1e-5);
   }
-  CHECK(rows.size() == 2 * (3 + 3 + 2 + 2) + 2);
+  CHECK(rows.size() == 2 * (3 + 3 + 2) + 2);
 }

@@ -97,7 +97,9 @@ await shot('burnt');
 
 await page.keyboard.press('e');
 check(await until(page, () => lobe.mode === 'edit'), 'painting begins');
-check((await isShown(true)) && (await yellow()) > 1000, 'and shows them');
+const painted = (await isShown(true)) && (await yellow());
+check(painted > 1000, 'and shows them');
 await page.keyboard.press('f');
-check((await isShown(false)) && (await yellow()) < 50, 'F hides them');
+// The colours of regions are near the lines' where the light is bright.
+check((await isShown(false)) && painted - (await yellow()) > 1000, 'F hides them');
 await end();

@@ -126,7 +126,9 @@ TEST_CASE("a row is on the Pareto front unless another of its scene is as good a
   }
 }
 
-TEST_CASE("the table has the columns that docs/benchmarks/accuracy.md explains, and no number where there is none") {
+TEST_CASE(
+    "the table has the columns that docs/benchmarks/accuracy.md explains, and no number where there is "
+    "none") {
   AccuracyRow good, diverged;
   good.model = diverged.model = "svk";
   good.status = "done";

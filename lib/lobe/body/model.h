@@ -16,9 +16,9 @@ struct Revisions {
   std::uint64_t inertia = 0;    // masses, and which components move by themselves
   std::uint64_t displacements = 0;  // by steps, or given
   std::uint64_t velocities = 0;
-  std::uint64_t jumps = 0;     // of vertices, of which no step says how far they came
+  std::uint64_t jumps = 0;     // vertices that moved otherwise than by steps
   std::uint64_t replaced = 0;  // a state that did not come from a step
-  std::uint64_t restored = 0;  // put back to what it was before some edits
+  std::uint64_t restored = 0;  // returns to a state before some edits
   std::uint64_t terms = 0;     // which force terms there are, what they act on, which tools they see
   bool operator==(const Revisions&) const = default;
 };

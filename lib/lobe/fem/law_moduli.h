@@ -87,7 +87,7 @@ struct Terms {
     return (solid == other.solid || other.solid == MaterialLaw::none) && volume >= other.volume &&
            pressure >= other.pressure && guard >= other.guard && fibre >= other.fibre;
   }
-  // Without those that any solid may have, whose moduli are 0 where it has not.
+  // The same without the terms that any solid may have besides its own: volume, pressure, guard.
   constexpr Terms without_additions() const {
     Terms own = *this;
     own.volume = own.pressure = own.guard = false;

@@ -153,8 +153,8 @@ class Regions {
 
   void add_forces(const Mat3X<Real>& u, double missing_share, Mat3X<Real>& f,
                   Parallel& parallel);  // 3 × #vertices [N]
-  // The same for small changes of a state, of which the caller takes differences: of the state at rest
-  // without loads, and of any other state.
+  // Forces of which differences are taken, for small changes of u: from rest, without loads; and from any
+  // state.
   void add_forces_near_rest(const Mat3X<Real>& u, Mat3X<Real>& f, Parallel& parallel);
   void add_forces_near(const Mat3X<Real>& u, double missing_share, Mat3X<Real>& f, Parallel& parallel);
   // Those of all tetrahedra, as if no vertex were embedded.

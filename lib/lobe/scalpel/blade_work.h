@@ -35,11 +35,11 @@ class BladeWork {
     Incised incised;
     Vec3d tip = Vec3d::Zero();  // of the blade, at its end [m]
   };
-  // Performs a whole move. It cuts grains only: a tetrahedron is where its parts will be until it is divided.
+  // Performs a whole move. It cuts grains alone; tetrahedra, which hold these parts, are divided later.
   // No step: the blade waits, because 32 others cut.
   std::vector<Step> cut(const BladeMove& whole, const Blades::BodyNow& body);
-  // What is unfit in a move that was made: a blade narrower than the tetrahedra that it meets, or one that
-  // has gone far in this frame and `has_cut`. Each is told once per tool.
+  // Warnings of a move that was made: the blade is narrower than the tetrahedra that it meets, or it has gone
+  // far in this frame and `has_cut`. Each is told once per tool.
   std::vector<std::string> unfit(const BladeMove& move, bool has_cut, const Elements& elements,
                                  const Blades::BodyNow& body);
 

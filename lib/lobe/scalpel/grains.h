@@ -103,8 +103,8 @@ class Grains {
   // The filled part of a face of a tetrahedron that was on the boundary at the start: three times its share
   // of the area, times the barycentric coordinates of its middle. Ones if the face is whole.
   Vec3d boundary_share_of(Index element, int face, const Elements& elements) const;
-  // Whether a vertex of the simulation lies in the material of tetrahedra around it, and is not only a corner
-  // of tetrahedra of which there is a part elsewhere.
+  // Whether a vertex of the simulation lies in tissue. A divided tetrahedron may have a corner where none of
+  // its part is.
   bool fills(Index vertex, const Elements& elements) const;
 
   // ---- Edits

@@ -71,7 +71,7 @@ Options options_of(const Setup& setup);
 // Returns a fault for each exclusion of which both options are used, and for each place of the first one.
 using PlacesOf = std::function<std::vector<std::string>(Option)>;
 std::vector<Fault> find_exclusions(const Options& used, const PlacesOf& places_of);
-// The same of one material, of which `place` is.
+// Returns a fault for each exclusion within one material, at `place`.
 std::vector<Fault> find_material_exclusions(MaterialLaw law, bool has_fibres, const std::string& place);
 bool goes_with(Option wanted, const Options& used);
 // Throws InputError if something that is used excludes `wanted`.

@@ -1,5 +1,6 @@
-"""Refuses an include from a chapter of lib/lobe to one on a floor above it, and names of kinds of regions in the
-chapters that play time: floors.py PROJECT
+"""Refuses an include from a chapter of lib/lobe to one on a floor above it, names of kinds of regions in the
+chapters that play time, and revision numbers that are written elsewhere than where an edit is followed:
+floors.py PROJECT
 
 The floors are the list `chapters` in lib/lobe/CMakeLists.txt, from the lowest up; folders that it does not have
 hold headers alone and stand where what they include lets them. `base` is lib/lobe itself, without lobe.h.
@@ -51,6 +52,25 @@ def named_kinds(library):
     return found
 
 
+# Who writes revision numbers: what follows edits, and, of steps and of states that are given, the motion and the
+# masses of vertices.
+WRITERS = ("organ/follow.cpp", "time/dynamics.cpp", "time/inertia.cpp")
+WRITES = re.compile(r"(?:\+\+|--)\s*[\w.>()-]*\brevisions\.\w+|(?:\.revisions|\brevisions\.\w+)\s*(?:[+-]?=(?!=)|\+\+|--)")
+
+
+def written_revisions(library):
+    """Lines elsewhere that write a revision number."""
+    found = []
+    for file in sorted(p for p in library.rglob("*") if p.suffix in (".h", ".cpp")):
+        name = str(file.relative_to(library))
+        if name in WRITERS:
+            continue
+        for number, line in enumerate(file.read_text(encoding="utf-8").splitlines(), 1):
+            if WRITES.search(line.split("//")[0]):
+                found.append(f"{name}:{number}: writes revisions; make it a Change that organ/follow.cpp follows")
+    return found
+
+
 def outdated(project):
     """A line if the page shows another list."""
     page = project / "docs" / "guide" / "develop.md"
@@ -63,5 +83,5 @@ def outdated(project):
 if __name__ == "__main__":
     root = pathlib.Path(sys.argv[1])
     library = root / "lib" / "lobe"
-    faults = upward(library) + named_kinds(library) + outdated(root)
+    faults = upward(library) + named_kinds(library) + written_revisions(library) + outdated(root)
     sys.exit("\n".join(faults) or 0)

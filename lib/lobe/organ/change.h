@@ -7,6 +7,7 @@
 #include <optional>
 #include <vector>
 
+#include "lobe/body/model.h"
 #include "lobe/lattice/embedding.h"
 #include "lobe/organ/edit.h"
 
@@ -27,8 +28,12 @@ struct Change {
   std::optional<bool> is_expanded;    // the mode of pre-computed regions
   std::optional<VertexRoles> roles;   // of vertices: which of them follow a lattice
   std::optional<int> mass_degree;     // of selective masses
+  std::vector<Index> weighed;         // vertices that got more mass
   bool has_terms = false;             // force terms act on other vertices or otherwise
   std::vector<Index> woken;           // vertices that terms woke before
+  bool has_new_terms = false;         // there are terms that act on nothing yet, or terms see other tools
+  bool interior_is_sought = false;    // by a tool: no step says how far what follows others has moved
+  std::optional<Revisions> former;    // of the organ in whose place this one is
   std::optional<JournalEntry> entry;
 };
 

@@ -75,7 +75,11 @@ void Organ<Real>::follow(Change& change) {
   if (change.is_expanded) follow_mode(*change.is_expanded);
   if (change.roles) follow_roles(std::move(*change.roles));
   if (change.mass_degree) follow_mass_degree(*change.mass_degree);
+  if (!change.weighed.empty()) update_vertices(change.weighed);
   if (change.has_terms) follow_terms(change.woken);
+  if (change.has_new_terms) ++body_.model.revisions.terms;
+  if (change.interior_is_sought) follow_search();
+  if (change.former) body_.model.revisions = newer_than_both(*change.former, body_.model.revisions);
 }
 
 // Returns what it means for the regions: nothing if only grains have come apart.
@@ -208,6 +212,13 @@ void Organ<Real>::follow_terms(const std::vector<Index>& woken_before) {
   ++body_.model.revisions.structure;
   report_lost_forces(body_.acted_on_by_terms());
   embed();
+}
+
+template <class Real>
+void Organ<Real>::follow_search() {
+  ++body_.model.revisions.jumps;
+  body_.recover(Regions<Real>::Interior::all);
+  seen_ = body_.model.revisions;
 }
 
 // Adds parts of the pre-computed region that nothing holds in place after an edit. They will turn, so they

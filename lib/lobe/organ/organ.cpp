@@ -135,7 +135,7 @@ void Organ<Real>::take_nodes(const typename Regions<Real>::State& nodes, const S
   const std::vector<Index> weighed = region.set_asked_mass(nodes.asked_mass);
   VertexRoles roles = region.roles(body_.model, nodes.is_embedded);
   if (region.has_roles(roles))
-    update_vertices(weighed);
+    edit({}, [&] { return Change{.weighed = weighed}; });
   else
     give(std::move(roles), {.followers = true});
   body_.motion.nodes.u = nodes.u;
@@ -152,7 +152,7 @@ void Organ<Real>::take_surroundings(Organ& former) {
   softening_ = std::move(former.softening_);
   display_ = std::move(former.display_);
   display_.rebuild(elements(), grains());
-  body_.model.revisions = newer_than_both(former.body_.model.revisions, body_.model.revisions);
+  edit({}, [&] { return Change{.former = former.body_.model.revisions}; });
 }
 
 // The setup before all edits, without copies.
@@ -176,14 +176,11 @@ Setup Organ<Real>::initial_setup() const {
 
 // ---- What tools see
 
-// Computes where vertices are that follow others, before a tool searches them. How far they have moved is not
-// known.
+// Computes where vertices are that follow others, before a tool searches them.
 template <class Real>
 void Organ<Real>::see_interior() {
   if (!body_.regions.any_following() || seen_ == body_.model.revisions) return;
-  ++body_.model.revisions.jumps;
-  state();
-  seen_ = body_.model.revisions;
+  edit({}, [] { return Change{.interior_is_sought = true}; });
 }
 
 template <class Real>
@@ -198,8 +195,7 @@ template <class Real>
 void Organ<Real>::end_step(double dt) {
   const Motion<Real>& motion = body_.motion;
   limit_.count_step();
-  const bool any_moving = !body_.inertia.moving().empty() || body_.regions.any_moving_nodes();
-  if (any_moving || motion.speeds.driven > 0) ++body_.model.revisions.displacements;
+  body_.end_step();
   const double farthest = (motion.speeds.fastest + motion.speeds.driven) * dt;
   moved(farthest, std::numeric_limits<Real>::epsilon());
   for (const auto& term : body_.terms) term->end_step(farthest, dt);

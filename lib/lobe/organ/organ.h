@@ -171,6 +171,7 @@ class Organ {
   void follow_roles(VertexRoles roles);
   void follow_mass_degree(int degree);
   void follow_terms(const std::vector<Index>& woken_before);
+  void follow_search();
   void add_unsupported(RegionEdit& edit);
   void update_masses(const std::vector<Index>& vertices);
   void update_vertices_apart(const std::vector<Index>& vertices);

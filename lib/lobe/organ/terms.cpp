@@ -47,9 +47,11 @@ ForceTerm<Real>& Organ<Real>::own_term(std::string_view name) {
   for (const KindOfTerm<Real>& kind : kinds_of_terms<Real>()) {
     const bool is_there = place != body_.terms.end() && (*place)->name() == kind.name;
     if (kind.name == name && !is_there) {
-      ++body_.model.revisions.terms;
-      place = body_.terms.insert(place, kind.make(setup_));
-      shown_ = {};
+      edit({}, [&] {
+        place = body_.terms.insert(place, kind.make(setup_));
+        shown_ = {};
+        return Change{.has_new_terms = true};
+      });
     }
     if (kind.name == name) break;
     if (is_there) ++place;
@@ -68,7 +70,7 @@ void Organ<Real>::show_tools(std::span<const ToolBody> bodies) {
     if (kind.is_needed(setup_, bodies)) own_term(kind.name);
   bool others = false;
   for (const auto& term : body_.terms) others = term->see_tools(bodies, time()) || others;
-  if (others) ++body_.model.revisions.terms;
+  if (others) edit({}, [] { return Change{.has_new_terms = true}; });
 }
 
 template <class Real>

@@ -139,8 +139,9 @@ bool Organ<Real>::slow_strained(const Occasion&) {
   };
   const auto slowed = body_.regions.reduced().slow_strained(body_.inertia.mass(), square, body_.motion);
   unreported_.transitions.kinetic += slowed.kinetic;
-  if (!slowed.vertices.empty()) update_vertices(slowed.vertices);
-  return !slowed.vertices.empty();
+  if (slowed.vertices.empty()) return false;
+  edit({}, [&] { return Change{.weighed = slowed.vertices}; });
+  return true;
 }
 
 }  // namespace lobe

@@ -143,6 +143,12 @@ void Dynamics<Real>::push(double kick, double dt) {
 }
 
 template <class Real>
+void Dynamics<Real>::end_step() {
+  const bool any_moving = !inertia.moving().empty() || regions.any_moving_nodes();
+  if (any_moving || motion.speeds.driven > 0) ++model.revisions.displacements;
+}
+
+template <class Real>
 void Dynamics<Real>::synchronise_velocities() {
   if (motion.velocity_lag == 0) return;
   find_forces();

@@ -7,14 +7,14 @@
 
 namespace lobe {
 
-enum class InstructionSet { baseline, avx2, avx512 };  // baseline: that of the whole library
+enum class InstructionSet { baseline, avx2, avx512 };  // baseline: the set of the whole library
 
 const char* name(InstructionSet set);
 
-// Those that this processor has and that were compiled, the widest last.
+// The sets that this processor has and that were compiled, the widest last.
 std::vector<InstructionSet> available_instruction_sets();
 
-// The widest of them, or that which the environment variable LOBE_INSTRUCTION_SET names. Throws InputError if
+// The widest of them, or the one named by the environment variable LOBE_INSTRUCTION_SET. Throws InputError if
 // it is not available.
 InstructionSet chosen_instruction_set();
 

@@ -18,7 +18,7 @@
 //   sim/          World: frames, tools, commands, checkpoints
 //   solve/        static equilibrium, implicit steps
 //   fit/          parameters of materials from measurements
-//   linearity/    what linear regions get wrong: regions for declared gestures, corrected while they run
+//   linearity/    errors of linear regions: regions for declared gestures, corrected while they run
 //   scene/        JSON to plain structs to a setup
 //   io/           meshes in and out
 //   file/         files written whole or not at all, and lobe's own binary format

@@ -34,7 +34,7 @@ class SharedChain {
     Link& operator=(const Link&) = delete;
     // One after the other: links that ended each other would fill the stack.
     ~Link() {
-      thread_local std::shared_ptr<const Link>* next = nullptr;  // of the loop that runs in this thread
+      thread_local std::shared_ptr<const Link>* next = nullptr;  // next link, for the thread's loop
       if (next) {
         *next = std::move(before);
         return;

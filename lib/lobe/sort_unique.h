@@ -16,7 +16,7 @@ void sort_unique(std::vector<T>& list) {
   list.erase(std::unique(list.begin(), list.end()), list.end());
 }
 
-// Numbers ≥ 0. Where they lie close together, a bit is set for each, which takes less time than to sort them.
+// Makes a set of numbers ≥ 0. Where they lie close together, a bit is set for each: faster than sorting.
 inline void sort_unique(std::vector<Index>& list) {
   constexpr std::size_t few = 64,
                         sparse = 64;  // words of 64 bits: as many per number cost as much as sorting

@@ -55,7 +55,8 @@ def named_kinds(library):
 # Who writes revision numbers: what follows edits, and, of steps and of states that are given, the motion and the
 # masses of vertices.
 WRITERS = ("organ/follow.cpp", "time/dynamics.cpp", "time/inertia.cpp")
-WRITES = re.compile(r"(?:\+\+|--)\s*[\w.>()-]*\brevisions\.\w+|(?:\.revisions|\brevisions\.\w+)\s*(?:[+-]?=(?!=)|\+\+|--)")
+WRITES = re.compile(r"(?:\+\+|--)\s*[\w.>()-]*\brevisions\.\w+|"
+                    r"(?:\.revisions|\brevisions\.\w+)\s*(?:[+-]?=(?!=)|\+\+|--)")
 
 
 def written_revisions(library):

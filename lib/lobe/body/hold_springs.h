@@ -26,7 +26,7 @@ class HoldSprings {
     Held item;                     // axes: those that nothing holds wholly
     double stiffness = 0;          // k [N/m]
     Vec3d target = Vec3d::Zero();  // g [m]
-    Vec3d force = Vec3d::Zero();   // in the last step [N]
+    Vec3d force = Vec3d::Zero();   // pull in the last step [N]
     std::size_t pull = 0;          // number of its vertex in pulls_
   };
 
@@ -48,12 +48,12 @@ class HoldSprings {
   // Adds the springs to forces f [N], 3 × at least #vertices, and divides those on their vertices by
   // 1 + k Δt²/4m, so that masses m get the accelerations above. `step` is Δt [s].
   void apply(const std::vector<double>& inverse_mass, double step, const Mat3X<Real>& u, Mat3X<Real>& f);
-  Vec3d target(const Held& item) const;  // of the spring of an item of HeldVertices::partly() [m]
+  Vec3d target(const Held& item) const;  // point g of the spring of an item of HeldVertices::partly() [m]
   Vec3d force_now(const Spring& spring, const Mat3X<Real>& u) const;  // k (g − u) [N]
   double energy(const Mat3X<Real>& u) const;                          // Σ k |g − u|²/2 [J]
 
  private:
-  struct Pull {  // of all springs of a vertex, in a step
+  struct Pull {  // all springs of a vertex in a step
     Index vertex = 0;
     Vec3d force = Vec3d::Zero(), stiffness = Vec3d::Zero();  // [N], [N/m]
     Vec3d lag = Vec3d::Zero();                               // ū − u [m]
@@ -62,7 +62,7 @@ class HoldSprings {
   std::vector<Spring> springs_;
   std::vector<Pull> pulls_;
   std::optional<double> aimed_at_;                     // [s]
-  std::uint64_t structure_ = never, inertia_ = never;  // revisions that they belong to
+  std::uint64_t structure_ = never, inertia_ = never;  // revisions of the body for which springs_ were found
 
   static constexpr std::uint64_t never = ~std::uint64_t(0);
 };

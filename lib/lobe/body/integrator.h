@@ -24,7 +24,7 @@ template <class Real>
 struct Fastest {
   Real all = 0, reversing = 0;
 };
-using Reversals = std::vector<std::uint8_t>;  // per vertex: in how many steps, up to now, it did so
+using Reversals = std::vector<std::uint8_t>;  // number of steps in a row, per vertex, in which it did so
 constexpr std::uint8_t many_reversals = 2;
 
 template <class Real>
@@ -77,7 +77,7 @@ Fastest<Real> central_difference(const Mat3X<Real>& f, const std::vector<MovingV
   return fastest;
 }
 
-// The same with a velocity that is not half a step old. Forces act for the time `kick`, from the time of the
+// Moves all vertices by one step, with a velocity that need not be half a step old. Forces act for the time
 // old velocity to that of the new one, which is half a step before the new u.
 template <class Real>
 Fastest<Real> central_difference(const Mat3X<Real>& f, const std::vector<MovingVertex<Real>>& moving,

@@ -29,17 +29,17 @@ class Loads {
   double missing_share(double time) const { return ramp_ > 0 ? std::max(0.0, 1 - time / ramp_) : 0; }
 
   void put(double time, Parallel& parallel, Columns& f) const;         // f = loads at a time
-  void put_at(const std::vector<Index>& vertices, Columns& f) const {  // the same at these, at full size
+  void put_at(const std::vector<Index>& vertices, Columns& f) const {  // f = loads at full size, at these
     for (Index v : vertices) f.col(v) = external_.col(v);
   }
   Mat3X<double> at(double time) const {  // 3 × #vertices [N]
     return (external_.view() - missing_share(time) * dead_.view()).template cast<double>();
   }
-  // On a vertex of this mass [kg] at a time, whoever bears it [N].
+  // Returns the load on a vertex of this mass [kg] at a time, whoever bears it [N].
   Vec3d of_vertex(const Elements& elements, Index v, double mass, double time) const {
     return mass * gravity_ + (1 - missing_share(time)) * loads_.at(elements, v);
   }
-  double work(const Mat3X<Real>& u) const;  // of all loads at full size on u [J]
+  double work(const Mat3X<Real>& u) const;  // work of all loads at full size on u [J]
 
   // Loads at full size, 3 × #vertices [N]: all loads, and only the dead ones. A condensed region takes out
   // the loads of its interior.

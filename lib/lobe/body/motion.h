@@ -49,20 +49,20 @@ struct StateColumns {
 
 // Speeds of the last step [m/s].
 struct Speeds {
-  double fastest = 0;    // of free vertices
-  double reversing = 0;  // of vertices that turned back (integrator.h)
-  double driven = 0;     // of held vertices
+  double fastest = 0;    // speed of the fastest free vertex
+  double reversing = 0;  // speed of the fastest vertex that turned back (integrator.h)
+  double driven = 0;     // speed of the fastest held vertex
 };
 
 template <class Real>
 struct Motion : StateColumns<Real> {
   // Scratch of a step:
   VertexColumns<Mat3X<Real>> forces;  // [N]
-  Reversals reversals;                // since the frame began
+  Reversals reversals;                // turns of each vertex since the frame began
   Mat3X<Real> node_forces;            // 3 × #nodes [N]
   Reversals node_turns;
   Speeds speeds;
-  double longest_move = 0;  // a step that moves a vertex further is trouble [m]
+  double longest_move = 0;  // the move of a vertex in a step beyond which the step is trouble [m]
 
   void extend(Index vertices) {
     this->u.extend(vertices);

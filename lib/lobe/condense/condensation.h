@@ -38,9 +38,9 @@ namespace lobe {
 class Condensation {
  public:
   using Matrix = Eigen::MatrixXd;
-  using Dofs = std::vector<Index>;  // components by their rows of K̂; those added later follow
+  using Dofs = std::vector<Index>;  // components by their rows of K̂; added ones follow
 
-  // Nothing is touched, B is empty.
+  // At first nothing is touched and B is empty.
   Condensation(std::unique_ptr<SparseFactor> factor, const Matrix& loads);  // f: size of K̂ × #amplitudes [N]
 
   // Rows and columns of S: amplitudes, then the interface in this order.
@@ -48,15 +48,15 @@ class Condensation {
   const Matrix& stiffness() const { return S_; }  // [N m], [N], [N/m]
   Index column(Index dof) const {
     return column_[std::size_t(dof)];
-  }  // less the amplitudes; −1 if it is interior
+  }  // number of the dof after the amplitudes; −1 if it is interior
   Index size() const { return static_cast<Index>(slot_.size()); }  // dofs in all
   Index touched() const { return static_cast<Index>(touched_.size()); }
 
-  // False, and nothing changes, if some of the interior could then move without a force.
+  // Returns false, and changes nothing, if some of the interior could then move without a force.
   bool change(const Dofs& dofs, const Matrix& stiffness,  // #dofs × #dofs [N/m]
               const Matrix& loads);                       // #dofs × #amplitudes [N]
   void promote(const Dofs& dofs);
-  // False, and nothing changes, if they could then move without a force.
+  // Returns false, and changes nothing, if they could then move without a force.
   bool demote(const Dofs& dofs);
   // Removes components to which nothing is attached any more.
   void forget(const Dofs& dofs);
@@ -84,11 +84,11 @@ class Condensation {
   void grow_to(Eigen::Index touched);
   void note(const Dofs& dofs, const Matrix& stiffness, const Matrix& loads);
   std::vector<Index> slots(const Dofs& dofs) const;
-  std::vector<Index> interior_rows(const Dofs& dofs) const;    // of a matrix with one per dof
-  bool known(Index dof) const { return dof < loads_.rows(); }  // to K̂
+  std::vector<Index> interior_rows(const Dofs& dofs) const;    // rows of a matrix with one row per dof
+  bool known(Index dof) const { return dof < loads_.rows(); }  // whether K̂ has it
   void join(const Dofs& dofs);
   void leave(const Dofs& dofs);
-  // G, Z and R of components, of which those on the interface move with it alone.
+  // G, Z and R of some components. Those on the interface move with the interface alone.
   struct Response {
     Matrix G, Z, R;
   };
@@ -100,7 +100,7 @@ class Condensation {
   Matrix response_;                              // A f
   Dofs touched_;                                 // T
   Dofs interface_;                               // B
-  std::vector<Index> slot_, column_;             // per dof: in T, in B
+  std::vector<Index> slot_, column_;             // place of each dof in T and in B
   std::vector<double> added_;                    // scale of the dofs that were added
   Matrix A_, N_;                                 // T × T
   Matrix Phi_;                                   // T × [a; B]

@@ -21,20 +21,20 @@ class CondensedRegion {
                   CondensingLog& log, const SparseFactorMaker& make_factor);
 
   bool has(Index component) const { return number(component) >= 0; }
-  Index column(Index component) const {  // of the stiffness, less the amplitudes; −1 if it is interior
+  Index column(Index component) const {  // number after the amplitudes; −1 if it is interior
     return has(component) ? condensation_->column(number(component)) : -1;
   }
   bool is_interior(Index component) const { return has(component) && column(component) < 0; }
   Index touched() const { return condensation_->touched(); }
   double error() const { return condensation_->error(); }  // relative
-  Components interface() const;                            // in the order of the columns
+  Components interface() const;                            // components of B, in the order of the columns
   const Matrix& stiffness() const { return condensation_->stiffness(); }
-  Matrix field(const Matrix& driven) const;  // per component, 0 where there is none
+  Matrix field(const Matrix& driven) const;  // displacement of each component, 0 where it has none
   // The mass that the interior gives to each component of the interface, if the interface moves as a whole
   // along an axis. It is computed once, and again after an operation.
   const Eigen::VectorXd& inertia(
-      const Eigen::VectorXd& mass,  // per component, 0 outside of the interior [kg]
-      const Components& moving);    // per component of the interface [kg]
+      const Eigen::VectorXd& mass,  // mass of each component, 0 outside of the interior [kg]
+      const Components& moving);    // moving mass of each component of the interface [kg]
   // The displacement error of the interior because it has no inertia, per axis: √Σ m |u|² for 1 m/s² [√kg
   // s²]. It belongs to the last call of inertia(). It is 0 if there was none since the last operation.
   Vec3d unit_inertia_error();
@@ -47,9 +47,9 @@ class CondensedRegion {
   // Components that would become a mechanism are promoted. `repeated`: the same change for the region on
   // which it is repeated.
   void change(const Components& components, const Change& change, const Change& repeated);
-  bool demote(const Components& components);  // false if it would be a mechanism
+  bool demote(const Components& components);  // false if the region would be a mechanism
   void forget(const Components& components);
-  double spring() const { return spring_; }  // of the size of the stiffness [N/m]
+  double spring() const { return spring_; }  // a stiffness of the size of the region's [N/m]
 
   void record() { is_recorded_ = true; }
   void forget_operations() {
@@ -74,11 +74,11 @@ class CondensedRegion {
   }
   Condensation::Dofs numbers(const Components& components) const;
 
-  std::vector<Index> number_;  // per component, in condensation_
+  std::vector<Index> number_;  // number of each component in condensation_
   double spring_ = 1;
   std::unique_ptr<Condensation> condensation_;
   struct Inertia {
-    Eigen::VectorXd of_interface, of_interior;  // per component and dof [kg]
+    Eigen::VectorXd of_interface, of_interior;  // mass per component of the interface, and per dof [kg]
     Matrix follows;                             // how the interior moves, dofs × axes
     std::optional<Vec3d> unit_inertia_error;
   };

@@ -7,8 +7,8 @@
 namespace lobe {
 
 struct InterfaceSize {
-  Index vertices = 0;  // shared by tetrahedra of this model and of others
-  Index tets = 0;      // of this model
+  Index vertices = 0;  // vertices of tetrahedra of this model and of others
+  Index tets = 0;      // tetrahedra of this model
 };
 InterfaceSize interface_size(const Elements& elements, RegionModel model = RegionModel::precomputed);
 

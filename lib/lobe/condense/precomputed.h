@@ -50,7 +50,7 @@ class PrecomputedRegion {
   }
   bool is_condensing() const { return recondensed_.valid(); }
   void begin_condensing(const Elements& elements) { begin_condensing(elements, linearisation_); }
-  // The same, and the region will be linearised about these displacements: 3 × #vertices [m].
+  // Begins to condense the region linearised about these displacements: 3 × #vertices [m].
   void begin_relinearising(const Elements& elements, const Mat3X<double>& about) {
     begin_condensing(elements, Linearisation{about});
   }
@@ -59,15 +59,15 @@ class PrecomputedRegion {
   // followed lazily meanwhile. Nothing changes then.
   bool end_condensing(const Elements& elements);
 
-  bool has_changed() const { return has_changed_; }  // by the last edit that was followed
-  // 3 × #vertices, what it is linearised about [m]; none: rest.
+  bool has_changed() const { return has_changed_; }  // the last edit that was followed changed it
+  // The displacements about which it is linearised, 3 × #vertices [m]; none: rest.
   const Mat3X<double>& about() const { return linearisation_.about; }
-  const std::vector<Index>& shared() const { return shared_; }  // vertices of other regions, too
+  const std::vector<Index>& shared() const { return shared_; }  // vertices of other regions as well
   // The displacement error of the interior because it has no inertia, √Σ m |u|² [√kg m], at this mean
   // acceleration of the interface [m/s²]. The masses are those of find_carried().
   double inertia_error(const Vec3d& acceleration) const;
 
-  const CondensingLog& condensing() const { return log_; }  // at the start
+  const CondensingLog& condensing() const { return log_; }  // log of the start
   Index tet_count() const { return tet_count_; }
   bool has(Index tet) const { return tet < static_cast<Index>(member_.size()) && member_[tet]; }
   Index interface_size() const { return static_cast<Index>(components_.size()); }  // components
@@ -94,7 +94,7 @@ class PrecomputedRegion {
                   Mat3X<Real>& f,        // 3 × #vertices [N]
                   Parallel& parallel);
   void add_stiffness_forces(const Mat3X<Real>& u, Mat3X<Real>& f,
-                            Parallel& parallel);  // at rest, without loads
+                            Parallel& parallel);  // forces without loads, about the state at rest
   void add_diagonal_stiffness(const Mat3X<Real>& u, DiagonalStiffness& K) const;
 
   // Computes displacements of the interior, and velocities if v is not null, from those of the interface.
@@ -103,7 +103,7 @@ class PrecomputedRegion {
 
   // Energies at recovered displacements:
   struct Energy {
-    double elastic = 0, loads = 0;  // [J]; of the loads that were taken over
+    double elastic = 0, loads = 0;  // [J]; `loads`: energy of the loads that were taken over
   };
   Energy energy(const Elements& elements, const Mat3X<Real>& u) const;
   // The force of the region's tetrahedra on the fixed components of a vertex, 0 for other components [N].
@@ -111,7 +111,7 @@ class PrecomputedRegion {
   Vec3d force_on_fixed(const Elements& elements, const Mat3X<Real>& u, Index vertex) const;
 
  private:
-  using Loads = std::array<Mat3X<double>, 2>;  // all; less the dead ones, of which some may be missing
+  using Loads = std::array<Mat3X<double>, 2>;  // all loads; and the negative of the dead ones
   using Pose = RigidFrame::Pose;
 
   // The number of amplitudes a. Without a frame there is one for all loads and one for the missing dead
@@ -153,38 +153,38 @@ class PrecomputedRegion {
   CondensingLog log_;
   SparseFactorMaker make_factor_;
 
-  std::vector<std::uint8_t> member_;  // per tetrahedron
+  std::vector<std::uint8_t> member_;  // one flag per tetrahedron
   Index tet_count_ = 0;
-  Tets corners_;                // of members, when they were last followed
-  std::vector<double> shares_;  // of their volumes, likewise
+  Tets corners_;                // corners of the members when they were last followed
+  std::vector<double> shares_;  // shares of their volumes at that time
   SmoothedEdges domains_;
   Roles roles_;  // 3 × #vertices
-  Loads loads_;  // of the interior, 3 × #vertices [N]
+  Loads loads_;  // loads on the interior, 3 × #vertices [N]
   bool is_expanded_ = false;
   bool has_changed_ = false;
   bool is_outdated_ = false, recondensed_is_outdated_ = false;
   Linearisation linearisation_;
   std::unique_ptr<CondensedRegion> condensed_;
-  Index most_touched_ = 0;  // with more it should be condensed from scratch
-  Index edited_ = 0;        // components, since its error was last measured
+  Index most_touched_ = 0;  // number of touched components beyond which it should be condensed anew
+  Index edited_ = 0;        // components edited since its error was last measured
   std::future<std::unique_ptr<CondensedRegion>> recondensed_;
   Linearisation recondensed_linearisation_;
 
   // What a step reads.
-  std::vector<Index> components_;  // of the interface: 3 × vertex + axis
-  std::vector<Index> vertices_;    // of the interface, in the order of their components
-  std::vector<Index> shared_;      // vertices of other regions, too
-  std::vector<double> carried_;    // per vertex [kg]
+  std::vector<Index> components_;  // components of the interface: 3 × vertex + axis
+  std::vector<Index> vertices_;    // vertices of the interface, in the order of their components
+  std::vector<Index> shared_;      // vertices of other regions as well
+  std::vector<double> carried_;    // carried mass, per vertex [kg]
   SymmetricProduct<Real> stiffness_;
   Eigen::MatrixXd of_loads_;  // force of each amplitude [N], #components × #amplitudes
 
   bool has_frame_ = false;
-  RigidFrame frame_;         // of vertices_
+  RigidFrame frame_;         // frame of vertices_
   Mat3X<double> rest_;       // their positions [m]
-  Eigen::VectorXd at_rest_;  // per amplitude: work of its load on the arms of the interior at rest [N m]
+  Eigen::VectorXd at_rest_;  // work of each amplitude's load on the interior's arms at rest [N m]
   Pose pose_;                // scratch
   Mat3X<double> forces_;
-  bool has_loads_ = false;  // on the interior
+  bool has_loads_ = false;  // whether loads act on the interior
 };
 
 }  // namespace lobe

@@ -26,9 +26,9 @@ struct RegionFactor {
   std::unique_ptr<SparseFactor> factorise(const SparseFactorMaker& make_factor, CondensingLog& log) const;
 
   ComponentNumbers number;      // rows of K̂
-  std::vector<double> springs;  // per row [N/m]
-  double mean_stiffness = 0;    // of K's diagonal [N/m]
-  Index size = 0;               // of K̂
+  std::vector<double> springs;  // stiffness of the spring of each row [N/m]
+  double mean_stiffness = 0;    // mean of K's diagonal [N/m]
+  Index size = 0;               // rows of K̂
   SparseFactor::Matrix K;       // K̂, its lower triangle
 };
 

@@ -14,12 +14,12 @@ class RigidFrame {
  public:
   struct Pose {
     Mat3<double> R = Mat3<double>::Identity();
-    Vec3d centroid = Vec3d::Zero();                 // of the points [m]
-    Mat3X<double> d;                                // what is not rigid: Rᵀ y − Y [m]
+    Vec3d centroid = Vec3d::Zero();                 // centroid of the points [m]
+    Mat3X<double> d;                                // the part that is not rigid: Rᵀ y − Y [m]
     Mat3<double> A_inverse = Mat3<double>::Zero();  // [1/(w m²)]; zero where no single rotation fits best
   };
   struct Rate {
-    Vec3d velocity, spin;  // of the frame, along its own axes [m/s], [1/s]
+    Vec3d velocity, spin;  // velocity and spin of the frame, along its own axes [m/s], [1/s]
     Mat3X<double> d;       // [m/s]
   };
 
@@ -27,12 +27,12 @@ class RigidFrame {
   RigidFrame(const Mat3X<double>& rest, Eigen::VectorXd weights);  // 3 × #points [m], > 0
 
   const Mat3X<double>& arms() const { return Y_; }  // [m]
-  const Vec3d& centroid() const { return C_; }      // at rest [m]
+  const Vec3d& centroid() const { return C_; }      // centroid at rest [m]
 
-  void fit(Pose& pose) const;                                 // where d are positions in space [m]
-  Rate rate(const Pose& pose, const Mat3X<double>& v) const;  // 3 × #points, in space [m/s]
-  // These are in the frame and about the centroid. torque() is that of forces on the points [N m]. take_off()
-  // adds the forces −w_i A⁻¹τ × Y_i, which have the torque −τ and no resultant.
+  void fit(Pose& pose) const;                                 // fits the pose to positions d in space [m]
+  Rate rate(const Pose& pose, const Mat3X<double>& v) const;  // v: 3 × #points, in space [m/s]
+  // Forces and torques here are in the frame and about the centroid. torque() is that of forces on the points
+  // [N m]. take_off() adds the forces −w_i A⁻¹τ × Y_i, whose torque is −τ and whose resultant is 0.
   Vec3d torque(const Pose& pose, const Mat3X<double>& f) const;
   void take_off(const Pose& pose, const Vec3d& torque, Mat3X<double>& f) const;
 

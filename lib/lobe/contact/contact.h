@@ -60,11 +60,11 @@ class Contact : public ForceTerm<Real> {
   const ContactSurface& surface() const { return surface_; }
 
  private:
-  struct OfTool;   // what a checkpoint remembers of a tool that has not come yet
-  struct Scratch;  // of a search, and of forces
+  struct OfTool;   // memory of a tool that a checkpoint has and that has not come yet
+  struct Scratch;  // scratch data of a search and of forces
   ContactLaw law() const;
   Places places(const At& at) const;
-  void find_there(double time, std::vector<int>& tools) const;  // which exist at a time
+  void find_there(double time, std::vector<int>& tools) const;  // finds the tools that exist at a time
   template <class Visit>
   void visit_memories(Visit&& visit);  // visit(memory) of the body on itself, then of each tool
   void forget_all();                   // forgets all lists of what may touch
@@ -87,12 +87,12 @@ class Contact : public ForceTerm<Real> {
   std::vector<OnTool> on_tools_;
   std::vector<Index> touched_;             // vertices that may be touched in this frame, sorted
   std::vector<int> there_, there_before_;  // tools, when see_tools() was called last
-  // Of the frame that time is in, or of another one if time was set [s].
+  // Times of the frame in which the world is, or of another one if time was set [s].
   double frame_begin_ = 0, frame_end_ = 0;
   double end_of_frame(double now) const { return now >= frame_begin_ ? std::max(frame_end_, now) : now; }
   double body_moved_ = 0;                     // bound of how far a vertex has moved in all steps [m]
-  double last_step_ = 0, step_at_start_ = 0;  // now, and when steps began [s]
-  std::uint64_t replaced_ = 0;                // revision of the state that lists of what may touch are of
+  double last_step_ = 0, step_at_start_ = 0;  // step now, and when the steps began [s]
+  std::uint64_t replaced_ = 0;                // revision of the state to which the lists of contacts belong
 
   std::unique_ptr<Scratch> scratch_;
 };

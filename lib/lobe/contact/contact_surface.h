@@ -23,21 +23,21 @@ class ContactSurface {
   struct Point {  // x = Σ weights[i] x_corner[i]
     Eigen::Vector4i corners = Eigen::Vector4i::Zero();
     Eigen::Vector4d weights{1, 0, 0, 0};
-    int count = 1;  // of the corners: 1, or 4 within a tetrahedron
+    int count = 1;  // number of corners: 1, or 4 for a point within a tetrahedron
   };
   struct Triangle {
     Eigen::Vector3i points;
     FaceOwner owner;
-    double area = 0;        // at rest [m²]
-    double longest = 0;     // edge at rest [m]
+    double area = 0;        // area at rest [m²]
+    double longest = 0;     // longest edge at rest [m]
     double stiffness = 0;   // κ [Pa/m]
-    bool is_cut = false;    // it was inside at the start
-    std::uint8_t body = 0;  // of several (MeshBodies)
+    bool is_cut = false;    // whether it was inside at the start
+    std::uint8_t body = 0;  // number of its body among several (MeshBodies)
   };
 
-  // Whether it is of another boundary, of other masses, or of another degree of selective ones.
+  // Whether the boundary, the masses or the degree of selective masses have changed since rebuild().
   bool is_outdated(const BodyView& now) const;
-  // In an order that depends on the body alone, not on the edits that led to it. O(#triangles log
+  // Builds the surface in an order that depends on the body alone, not on the edits before. O(#triangles log
   // #triangles).
   void rebuild(const BodyView& now);
 

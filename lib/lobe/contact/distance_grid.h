@@ -18,7 +18,7 @@ class NearestTriangle {
  private:
   struct Node {
     Vec3d low, high;
-    int first = 0, count = 0;  // of leaves: triangles in order_; else count is 0, and the children are
+    int first = 0, count = 0;  // range of a leaf in order_; a count of 0: the node has children
     int left = -1, right = -1;
   };
   struct Nearest {
@@ -33,7 +33,7 @@ class NearestTriangle {
   const std::vector<Vec3d>& points_;
   const std::vector<Eigen::Vector3i>& triangles_;
   std::vector<Vec3d> centres_, face_normals_, point_normals_;
-  std::vector<std::array<Vec3d, 3>> edge_normals_;  // of a triangle, of the edge from corner i to i + 1
+  std::vector<std::array<Vec3d, 3>> edge_normals_;  // normals of a triangle's edges from corner i to i + 1
   std::vector<int> order_;
   std::vector<Node> nodes_;
 };
@@ -57,7 +57,7 @@ class DistanceGrid {
 
   Vec3d low_, high_;
   double cell_;
-  Eigen::Vector3i count_;  // of points
+  Eigen::Vector3i count_;  // number of points along each axis
   std::vector<double> values_;
 };
 

@@ -15,19 +15,19 @@ struct Distance {
 };
 
 Distance distance_to_sphere(double radius, const Vec3d& x);
-// About the segment from the origin to `length` along z.
+// Capsule about the segment from the origin to `length` along z.
 Distance distance_to_capsule(double radius, double length, const Vec3d& x);
 Distance distance_to_box(const Vec3d& half_size, const Vec3d& x);
-// To the nearer of two boxes of this size (setup/rigid_shape.h).
+// Distance to the nearer of two boxes of this size (setup/rigid_shape.h).
 Distance distance_to_jaws(const Vec3d& size, double opening, const Vec3d& x);
 
 class DistanceGrid;
 
 class SignedDistance {
  public:
-  explicit SignedDistance(const RigidShape& shape);  // which has been checked; of a mesh: builds a grid
+  explicit SignedDistance(const RigidShape& shape);  // takes a checked shape; for a mesh builds a grid
 
-  Distance at(const Vec3d& x, double opening = 0) const;  // of jaws [m]
+  Distance at(const Vec3d& x, double opening = 0) const;  // `opening`: distance of the jaws [m]
   // True only where at() is at least `gap` ≥ 0, and cheaper than that. Of a mesh it is never true.
   bool is_beyond(const Vec3d& x, double gap, double opening) const {
     const auto is_far = [gap](const Vec3d& y, double radius) {
@@ -62,7 +62,7 @@ class SignedDistance {
  private:
   RigidShape shape_;
   double reach_, fineness_, error_ = 0;
-  std::shared_ptr<const DistanceGrid> grid_;  // of a mesh
+  std::shared_ptr<const DistanceGrid> grid_;  // grid of a mesh
 };
 
 }  // namespace lobe

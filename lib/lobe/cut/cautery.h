@@ -26,8 +26,8 @@ struct SweptVolume {
   std::function<bool(const Vec3d& p, const Vec3d& q)> crosses = {};
 };
 SweptVolume swept_volume(const Sweep& sweep);
-// Of a wire whose tip the sweep is, and which leads from it by `from` at its beginning and by `to` at its end
-// [m]. It burns as spheres would that are a radius apart, at most 1,000 of them.
+// The volume of a wire whose tip makes the sweep. The wire leads from the tip by `from` at the beginning
+// and by `to` at the end [m]. It burns as spheres would that are a radius apart, at most 1,000 of them.
 SweptVolume swept_volume(const Sweep& tip, const Vec3d& from, const Vec3d& to);
 
 Eigen::AlignedBox3d box_of(const Sweep& sweep);  // [m]
@@ -35,7 +35,7 @@ Eigen::AlignedBox3d box_of(const Sweep& sweep);  // [m]
 // Whether a tetrahedron is within reach of a sweep. The sweep is sampled every quarter of the radius (between
 // samples the reach is short of the radius by less than 1 %), in at most 10,000 places.
 bool touches(const Sweep& sweep, const Mat34<double>& corners);
-bool touches(const Sweep& sweep, const Vec3d& p, const Vec3d& q);  // the same of a segment [m]
+bool touches(const Sweep& sweep, const Vec3d& p, const Vec3d& q);  // whether a segment is within reach [m]
 
 // Alive tetrahedra within reach of the sweep, in ascending order. O(#tets), some nanoseconds each; TetGroups
 // finds the same faster, frame after frame.

@@ -14,7 +14,7 @@ namespace lobe {
 
 class TetGroups {
  public:
-  // Call it after each step, in which no vertex has moved further than this [m]. `rounding` is the relative
+  // Call it after each step; no vertex has moved further in it than that [m]. `rounding` is the relative
   // rounding of displacements.
   void moved(double distance, double rounding) { path_ += distance + rounding * (reach_ + path_); }
   // Call it when it is not known how far vertices have moved.
@@ -31,29 +31,29 @@ class TetGroups {
                              const SweptVolume& volume);
 
  private:
-  // In single precision, for which search() allows: the low corner, 0, minus the high one, 0 [m]. Two boxes
+  // A box in single precision, rounded outwards: the low corner, 0, minus the high one, 0 [m]. Two boxes
   // meet if eight numbers are at most eight others, which a processor compares at once.
   struct TetBox {
     alignas(16) std::array<float, 8> sides;
   };
   struct Leaf {
-    Index begin, end;         // of order_
+    Index begin, end;         // range in order_
     double path = -1;         // path_ when the boxes were found; −1: never
-    Eigen::AlignedBox3d box;  // of the tetrahedra that were alive then
+    Eigen::AlignedBox3d box;  // box of its alive tetrahedra at that time
     std::vector<Index> copies = {};
     std::vector<TetBox> boxes_of_copies = {};
   };
   struct Group {
-    Index begin, end;  // of leaves_
+    Index begin, end;  // range in leaves_
     double path = -1;
-    Eigen::AlignedBox3d box;  // of its leaves
+    Eigen::AlignedBox3d box;  // box of its leaves
   };
   template <class Real>
   struct Body {
     const Topology& topology;
     const Mat3X<double>& points;
     const Mat3X<Real>& u;
-    Mat34<double> corners(Index tet) const;  // where they are now [m]
+    Mat34<double> corners(Index tet) const;  // current positions of its corners [m]
   };
   void form(const Topology& topology, const Mat3X<double>& points);
   void forget_boxes(double reach);
@@ -68,8 +68,8 @@ class TetGroups {
   static TetBox rounded(const Eigen::AlignedBox3d& box);
 
   std::vector<Index> order_;
-  std::vector<TetBox> boxes_;   // in that order
-  std::vector<Index> leaf_of_;  // per tetrahedron
+  std::vector<TetBox> boxes_;   // boxes in the order of order_
+  std::vector<Index> leaf_of_;  // leaf of each tetrahedron
   std::vector<Leaf> leaves_;
   std::vector<Group> groups_;
   bool is_lost_ = true;  // boxes, and the displacements when they were found, are not known

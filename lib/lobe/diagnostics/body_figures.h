@@ -10,12 +10,12 @@ namespace lobe {
 
 struct BodyFigures {
   std::string name;
-  Index tets = 0;                  // that are left
+  Index tets = 0;                  // tetrahedra that are left
   double mass = 0;                 // [kg]
-  double volume = 0;               // as it is deformed [m³]
-  double kinetic = 0;              // energy, ½ Σ m v² of its vertices [J]
-  double elastic = 0;              // energy, of its tetrahedra by the models of their regions [J]
-  Vec3d centre = Vec3d::Zero();    // of mass, as it is deformed [m]
+  double volume = 0;               // volume of the deformed body [m³]
+  double kinetic = 0;              // energy of motion, ½ Σ m v² of its vertices [J]
+  double elastic = 0;              // elastic energy of its tetrahedra by the models of their regions [J]
+  Vec3d centre = Vec3d::Zero();    // centre of mass of the deformed body [m]
   Vec3d momentum = Vec3d::Zero();  // [kg m/s]
 };
 

@@ -8,7 +8,7 @@ namespace lobe {
 struct BodyOverlap {
   int body = 0, other = 0;      // body < other
   double depth = 0;             // [m]
-  Vec3d place = Vec3d::Zero();  // of the deepest point [m]
+  Vec3d place = Vec3d::Zero();  // the deepest point [m]
   double edge = 0;              // the smaller one of their mean edges [m]
 };
 

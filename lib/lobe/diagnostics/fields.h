@@ -15,7 +15,7 @@ struct TetFields {
 
 // The fields of a tetrahedron, by the model of its region.
 TetFields tet_fields(const Elements& elements, Index tet,
-                     const Mat34<double>& u,  // of the four corners [m]
+                     const Mat34<double>& u,  // displacements of the four corners [m]
                      double pressure);        // p_T of tet_pressures(), 0 without nodal pressure [Pa]
 
 // Writes the body as it is cut now: all vertices at rest positions and the tetrahedra that are left, in the

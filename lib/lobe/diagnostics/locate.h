@@ -27,7 +27,7 @@ class Locator {
  private:
   struct Node {
     Eigen::AlignedBox3d box;
-    Index begin = 0, end = 0;  // into tets_
+    Index begin = 0, end = 0;  // range in tets_
     Index left = -1;           // the right child follows the left one; −1: a leaf
   };
   void split(Index node, const Mat3X<double>& centres);

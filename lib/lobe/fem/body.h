@@ -19,7 +19,7 @@ enum class RegionModel : std::uint8_t {
   reduced = 3,
   corotational = 4
 };
-// As scenes and reports name them.
+// The names of models in scenes and reports.
 inline constexpr std::array<const char*, 5> region_model_names{"tensor-mass", "precomputed", "nonlinear",
                                                                "reduced", "corotational"};
 inline const char* name(RegionModel model) { return region_model_names[std::size_t(model)]; }
@@ -30,22 +30,22 @@ inline constexpr bool is_linear(RegionModel model) {
 
 enum class RegionFrame : std::uint8_t {
   fixed,     // a linear region's displacements are those in space
-  corotated  // those from a rigid motion that follows the region (condense/rigid_frame.h)
+  corotated  // it is measured from a rigid motion that follows the region (condense/rigid_frame.h)
 };
 
-// Where a tetrahedron has its strain: alone, or averaged around each of its edges (fem/smoothed_edge.h).
+// Where the strain is evaluated: in each tetrahedron, or averaged around each edge (fem/smoothed_edge.h).
 enum class ElementType : std::uint8_t { tetrahedron, edge_smoothed };
 
 struct Elastic {
   double lambda = 4e4, mu = 1e4;  // [Pa]
   double density = 1000;          // [kg/m³]
   double nodal_pressure = 0;  // χ: share of λ whose pressure is averaged at nodes, 0…1 (nodal_pressure.h)
-  MaterialLaw law = MaterialLaw::svk;  // of the non-linear model
+  MaterialLaw law = MaterialLaw::svk;  // law of the non-linear model
   ElementType element = ElementType::tetrahedron;
   FibreModuli<double> fibre{};          // [Pa], zero: isotropic; λ and μ are then those across the fibre
   double fracture_energy = 0;           // G_c: work of a blade per area that it opens [J/m²]
   std::array<double, 2> further{};      // constants of the law beside λ and μ (law_rows)
-  double fibre_angle = 0;               // of both families of a law with fibres, to the direction [rad]
+  double fibre_angle = 0;               // angle of both families of a law with fibres to the direction [rad]
   std::array<double, 3> fibre_plane{};  // a vector at rest in their plane; not read if the angle is 0
 
   bool has_direction() const { return fibre.any() || has_families(law); }
@@ -80,7 +80,7 @@ inline bool any_averages(const std::vector<Elastic>& materials) {
 inline bool any_fibre(const std::vector<Elastic>& materials) {
   return std::any_of(materials.begin(), materials.end(), [](const Elastic& e) { return e.has_direction(); });
 }
-inline bool any_other_law(const std::vector<Elastic>& materials) {  // than St Venant-Kirchhoff
+inline bool any_other_law(const std::vector<Elastic>& materials) {  // other than St Venant-Kirchhoff
   return std::any_of(materials.begin(), materials.end(),
                      [](const Elastic& e) { return e.law != MaterialLaw::svk; });
 }
@@ -88,8 +88,8 @@ inline bool any_other_law(const std::vector<Elastic>& materials) {  // than St V
 struct Body {
   TetMesh mesh;
   std::vector<Elastic> materials;
-  std::vector<std::uint16_t> material_of;  // per tetrahedron: which of the materials
-  std::vector<RegionModel> region_of;      // per tetrahedron
+  std::vector<std::uint16_t> material_of;  // material of each tetrahedron
+  std::vector<RegionModel> region_of;      // model of each tetrahedron
   // φ per tetrahedron, the share of its volume that is filled, above 0 and at most 1. Empty: 1 for all.
   std::vector<double> shares = {};
   RegionFrame precomputed_frame = RegionFrame::fixed;

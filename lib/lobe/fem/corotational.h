@@ -57,7 +57,7 @@ struct CorotationalFrame {
     inverse = adjugate * (T(1) / max(det, T(least_det)));
     c = law.lambda * state.trace - (law.mu + law.mu);
   }
-  // Of corners with gradients a = α_j, b = α_k.
+  // The block of two corners with gradients a = α_j, b = α_k.
   LOBE_INLINE Mat3<T> block(const Vec3<T>& a, const Vec3<T>& b, const Law<T>& law) const {
     const Mat3<T> turned = cross_matrix(a).transpose().lazyProduct(inverse.lazyProduct(cross_matrix(b)));
     Mat3<T> K = a.lazyProduct(b.transpose()) * law.lambda + turned * c;

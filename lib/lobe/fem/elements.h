@@ -16,7 +16,7 @@ struct Elements {
   Topology topology;
   VertexColumns<Mat3X<double>> points;  // 3 × topology.vertex_count(), rest positions [m]
   std::vector<int> labels;              // none if all are 0
-  MeshBodies bodies;                    // of a mesh of several bodies
+  MeshBodies bodies;                    // bodies of a mesh of several
   Mat3X<double> fibres;                 // 3 × #tetrahedra, unit vectors at rest; or no column
   std::vector<Elastic> materials;
   std::vector<std::uint16_t> material_of;

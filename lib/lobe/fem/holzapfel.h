@@ -48,7 +48,7 @@ LOBE_INLINE inline T exponential_less_one(const T& x) {
 }
 
 template <class T>
-struct FibreStretch {  // of one family
+struct FibreStretch {  // one family as it is stretched
   T slope, curvature;  // w′, w″ [Pa]
   T energy;            // w [Pa]
 
@@ -68,7 +68,7 @@ struct FibreStretch {  // of one family
 
 template <class T>
 struct HolzapfelFibres {
-  Vec3<T> m, n;    // the direction, and that across it in the plane of both families
+  Vec3<T> m, n;    // the direction, and the one across it in the plane of both families
   Vec3<T> Fm, Fn;  // F m, F n
   T c, s;          // cos θ, sin θ
   FibreStretch<T> one, other;

@@ -28,7 +28,7 @@ template <class T>
 LOBE_INLINE inline T inverse_cube_root(const T& J) {
   using std::sqrt;
   constexpr int steps = is_single_precision<T> ? 2 : 3;
-  const T s = sqrt(T(sqrt(J)));  // of y = 1/s, J y³ = s
+  const T s = sqrt(T(sqrt(J)));  // inverse of the first guess y; J y³ = s
   T y = (s + T(2)) / (s * (s + s + T(1)));
   unrolled<steps>([&](int) LOBE_INLINE {
     const T e = T(1) - J * y * y * y;

@@ -59,9 +59,9 @@ enum class MaterialLaw : std::uint8_t {
   none
 };
 struct LawRow {
-  const char* name;                 // as scenes say it
-  std::array<const char*, 2> keys;  // of its constants beside λ and μ, in scenes; null: it has fewer
-  std::size_t moduli = 2;           // as many of these are in Pa, the others without a unit
+  const char* name;                 // name in scenes
+  std::array<const char*, 2> keys;  // names of its constants beside λ and μ in scenes; null: it has fewer
+  std::size_t moduli = 2;           // number of constants that are in Pa; the others have no unit
 };
 inline constexpr LawRow law_rows[] = {{"svk", {}},
                                       {"neo-hookean", {}},
@@ -99,12 +99,12 @@ template <class T>
 struct Law {
   T lambda, mu;       // λ without the share that nodal pressure takes over [Pa]
   T kappa;            // volume penalty [Pa]
-  T pressure;         // of nodal pressure, mean p_T of the tetrahedron [Pa]
+  T pressure;         // mean nodal pressure p_T of the tetrahedron [Pa]
   T guard_modulus;    // M [Pa]
   T guard_threshold;  // J₀
   Terms terms;
   FibreModuli<T> fibre{};
-  Vec3<T> direction{};         // of the fibre, a unit vector at rest; not read without the term
+  Vec3<T> direction{};         // direction of the fibre, a unit vector at rest; not read without the term
   std::array<T, 2> further{};  // moduli of the solid beside λ and μ (law_rows) [Pa]
   FibreFamilies<T> families{};
 

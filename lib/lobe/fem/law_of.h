@@ -47,7 +47,7 @@ inline Law<double> nonlinear_law(const Elastic& elastic, double volume_penalty, 
           .further = elastic.further,
           .families = fibre_families(elastic)};
 }
-// That of a tetrahedron whose model is not linear.
+// The law of a tetrahedron of a body, whose model is not linear.
 inline Law<double> nonlinear_law(const Elements& elements, Index tet, double pressure = 0) {
   if (elements.region_of[tet] == RegionModel::corotational) return corotational_law(elements.elastic_of(tet));
   Law<double> law =

@@ -8,12 +8,12 @@
 namespace lobe {
 
 struct MeanMaterial {
-  double volume = 0;                // of the tetrahedra [m³]
+  double volume = 0;                // volume of the tetrahedra [m³]
   Elastic material;                 // moduli are means over the volume; the law is that of most of it
-  Vec3d direction = Vec3d::Zero();  // that most of the fibres have; zero without fibres
+  Vec3d direction = Vec3d::Zero();  // direction that most of the fibres have; zero without fibres
 };
 
-// Of those of the tetrahedra that are alive. If none is, the volume is 0 and the material means nothing.
+// Averages those of the tetrahedra that are alive. If none is, the volume is 0 and the material arbitrary.
 MeanMaterial mean_material(const Elements& elements, const std::vector<Index>& tets);
 
 }  // namespace lobe

@@ -55,7 +55,7 @@ template <class T>
 template <class T>
 [[gnu::always_inline]] inline Mat3<T> rotation_by_quaternion(const Mat3<T>& A) {  // |A|² = 3, or 0
   using Four = Eigen::Matrix<T, 4, 4>;
-  const T shift(2), zero(0);  // so the largest eigenvalue is the farthest from 0, for every A
+  const T shift(2), zero(0);  // 2 makes the largest eigenvalue the farthest from 0, for every A
   Four B;
   B(0, 0) = A(0, 0) + A(1, 1) + A(2, 2) + shift;
   B(1, 1) = A(0, 0) - A(1, 1) - A(2, 2) + shift;

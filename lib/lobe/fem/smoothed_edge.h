@@ -16,12 +16,12 @@
 namespace lobe {
 
 struct SmoothedEdge {
-  std::vector<Index> vertices;      // both ends, then the others of its tetrahedra
+  std::vector<Index> vertices;      // both ends, then the other vertices of its tetrahedra
   std::vector<Vec3d> gradients;     // b_j [1/m], one per vertex; they sum to zero
   double volume = 0;                // V_e [m³]; 0: the edge has no tetrahedron
-  Vec3d direction = Vec3d::Zero();  // of the fibres, the principal one of its tetrahedra's
+  Vec3d direction = Vec3d::Zero();  // principal direction of its tetrahedra's fibres
   std::uint16_t material = 0;
-  RegionModel model = RegionModel::nonlinear;  // of its tetrahedra
+  RegionModel model = RegionModel::nonlinear;  // model of its tetrahedra
 };
 
 // Computes the domain of the edge (a, b) from its tetrahedra, which are of one material and one model.

@@ -48,7 +48,7 @@ class SumOfTerms {
 template <class T>
 struct SecondOrder {
   SumOfTerms<Mat3<T>> S{Mat3<T>::Zero()};              // [Pa]
-  SumOfTerms<VolumeDerivatives<T>> psi{{T(0), T(0)}};  // of functions of J [Pa]
+  SumOfTerms<VolumeDerivatives<T>> psi{{T(0), T(0)}};  // derivatives of functions of J [Pa]
   bool has_invariant = false;                          // a solid has set the two below
   T stretch{}, mixed{};                                // 4 ∂²W/∂I₁², 2 ∂²W/∂I₁∂J [Pa]
 };

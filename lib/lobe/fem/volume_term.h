@@ -68,7 +68,7 @@ Mat3<T> volume_stress(const Mat3<T>& H, const T& kappa)  // adds to the first Pi
 }
 
 template <class T>
-struct VolumeDerivatives {  // of W/V by J = det F, for a term that depends on J only [Pa]
+struct VolumeDerivatives {  // W/V's derivatives by J = det F, of a term that depends on J only [Pa]
   T slope, curvature;
 
   void operator+=(const VolumeDerivatives& other) {

@@ -23,7 +23,7 @@ class RowPacker {
   double expected(std::size_t number, const PoseNumbers& row) const;
   void keep(const PoseNumbers& row);
 
-  std::array<PoseNumbers, 3> last_ = {};  // the newest first
+  std::array<PoseNumbers, 3> last_ = {};  // rows, the newest first
   bool is_first_ = true;
 };
 

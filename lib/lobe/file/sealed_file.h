@@ -34,7 +34,7 @@ class ByteWriter {
     bytes_.append(reinterpret_cast<const char*>(&value), sizeof value);
   }
   template <class Value>
-  void put_all(std::span<const Value> values) {  // their number first
+  void put_all(std::span<const Value> values) {  // puts their number first
     static_assert(std::is_arithmetic_v<Value>);
     put(std::uint64_t(values.size()));
     bytes_.append(reinterpret_cast<const char*>(values.data()), values.size_bytes());
@@ -98,13 +98,13 @@ class ByteReader {
 struct Format {
   std::string_view name;  // eight characters
   std::uint32_t version;
-  const char* what;  // for messages: "state of a world"
+  const char* what;  // description in messages: "state of a world"
 };
 
 void write_sealed(const std::filesystem::path& file, const Format& format, const std::string& contents);
 std::string read_sealed(const std::filesystem::path& file, const Format& format);  // the contents
 
-// The same for contents in memory; `file` is only named in messages.
+// Seals contents in memory, and opens them; `file` is only named in messages.
 std::string seal(const Format& format, const std::string& contents);
 std::string_view unseal(const std::string& file, std::string_view bytes, const Format& format);
 

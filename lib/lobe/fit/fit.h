@@ -21,34 +21,34 @@ namespace lobe {
 struct FitCase {
   Setup setup;
   Observations observed;
-  std::vector<Parameter> parameters;  // the same names in the same order in all cases
+  std::vector<Parameter> parameters;  // parameters; all cases have the same names in the same order
 };
 
 struct FitOptions {
   int most_iterations = 60;
-  double tolerance = 1e-7;  // of a step, on the scales of the parameters
+  double tolerance = 1e-7;  // size of a step on the scales of the parameters
   StaticOptions statics = {};
-  std::function<void(int iteration, double misfit)> progress = {};  // misfit as in FitResult
+  std::function<void(int iteration, double misfit)> progress = {};  // progress; misfit as in FitResult
 };
 
 struct FittedParameter {
   std::string name;
   double start = 0, value = 0;
-  double low = 0, high = 0;  // of the confidence interval of 95 %; all that is possible if not told
+  double low = 0, high = 0;  // bounds of the confidence interval of 95 %; all that is possible if not told
   // Whether the measurements tell it apart from the others: a change by a factor e shows above the noise.
   bool is_identifiable = true;
 };
 
 struct FitResult {
   bool converged = false;
-  std::string reason;  // why not, in one line
+  std::string reason;  // reason why not, in one line
   std::vector<FittedParameter> parameters;
-  std::vector<Eigen::VectorXd> values;  // of each case, at the solution, as its measurements [m], [N], [Hz]
+  std::vector<Eigen::VectorXd> values;  // what the solution says, case by case, as measured [m], [N], [Hz]
   // Root of the mean square of what is left: in standard deviations where these are told, else relative to
   // the root mean square of the measurements of that quantity.
   double misfit = 0, misfit_at_start = 0;
   int iterations = 0;
-  std::vector<std::string> notes;  // what the measurements do not tell, one line each
+  std::vector<std::string> notes;  // lines on what the measurements do not tell
 };
 
 // Throws InputError if there are fewer measurements than parameters, if the scene has no equilibrium at the

@@ -20,16 +20,16 @@
 namespace lobe {
 
 enum class Quantity : std::uint8_t { displacement, force, frequency };
-inline constexpr int length_of_vector = 3;  // as a component
+inline constexpr int length_of_vector = 3;  // value of `component` for the length
 
 struct Measurement {
   Quantity quantity = Quantity::displacement;
-  Vec3d point = Vec3d::Zero();  // at rest, of a displacement [m]
-  int number = 0;               // of the entry of "boundary", from 0; of the frequency, from 1
+  Vec3d point = Vec3d::Zero();  // point of a displacement, at rest [m]
+  int number = 0;               // number of the entry of "boundary", from 0; of the frequency, from 1
   int component = 0;            // x, y, z, or length_of_vector
   double value = 0;             // [m], [N] or [Hz]
   double sigma = 0;             // standard deviation, in the unit of the value; 0: not told
-  int line = 0;                 // of the file
+  int line = 0;                 // line of the file
 };
 
 // Throws one InputError for all that is wrong in `text`; `file` names it.

@@ -19,9 +19,9 @@ class Observations {
 
   const std::vector<Measurement>& measurements() const { return measurements_; }
   bool any_frequency() const { return frequencies() > 0; }
-  int frequencies() const;  // up to the highest one that was measured
+  int frequencies() const;  // number of the highest one that was measured
 
-  // At an equilibrium, with its lowest frequencies [rad/s]: as the measurements are, in [m], [N], [Hz].
+  // Computed values at an equilibrium with frequencies omega [rad/s], in the measurements' order and units.
   Eigen::VectorXd values(const Mat3X<double>& u, const Mat3X<double>& reactions,
                          const Eigen::VectorXd& omega) const;
   // Their derivatives, from those of the equilibrium `at` and of its frequencies.
@@ -32,7 +32,7 @@ class Observations {
   struct Place {
     Eigen::Vector4i corners = Eigen::Vector4i::Zero();
     Eigen::Vector4d weights = Eigen::Vector4d::Zero();
-    std::vector<Index> vertices;  // of an entry of "boundary"
+    std::vector<Index> vertices;  // vertices of an entry of "boundary"
     std::vector<Axes> axes;
   };
   Place place_of(const Measurement& measurement, const Resolved& resolved, const Locator& locator,

@@ -19,9 +19,9 @@ enum class ParameterScale : std::uint8_t {
 struct Parameter {
   std::string name;          // "liver.young_modulus"
   std::size_t material = 0;  // its number in the scene and in the setup
-  std::size_t row = 0;       // of the table of kinds in parameters.cpp
+  std::size_t row = 0;       // row in the table of kinds in parameters.cpp
   double start = 0;          // value in the scene
-  double unit = 1;           // of a linear scale
+  double unit = 1;           // unit of a linear scale
   ParameterScale scale = ParameterScale::logarithmic;
 
   double on_scale(double value) const;

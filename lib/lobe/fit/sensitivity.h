@@ -13,17 +13,17 @@ namespace lobe {
 
 struct Effect {
   std::string of;           // "liver.young_modulus + 10 %"
-  double displacement = 0;  // L2 norm of its change over the body by mass, relative
+  double displacement = 0;  // L2 norm over the body by mass of its change, relative
   double largest = 0;       // relative change of the largest displacement
-  double force = 0;         // relative change of the force on what the gesture moves; 0 if it is the weight
-  std::string trouble;      // why there is no figure; empty if there is one
+  double force = 0;         // relative change of the force on what the gesture moves; 0 for the weight
+  std::string trouble;      // reason why there is no figure; empty if there is one
 };
 
 struct Sensitivity {
   std::string gesture;
-  std::string trouble;          // why there is no figure; empty if there is one
-  double largest = 0;           // displacement [m]
-  double force = 0;             // on what the gesture moves [N]; 0 if it is the weight
+  std::string trouble;          // reason why there is no figure; empty if there is one
+  double largest = 0;           // largest displacement [m]
+  double force = 0;             // force on what the gesture moves [N]; 0 for the weight
   std::vector<Effect> effects;  // the largest first: by force if there is one, else by displacement
   // Per tetrahedron: by how much the answer (the force; of the weight, the L2 norm of the displacement)
   // changes, relative, if the energy of that tetrahedron grows by a relative amount, per share of the body's

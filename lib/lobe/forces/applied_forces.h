@@ -47,9 +47,9 @@ class AppliedForces : public ForceTerm<Real> {
 
   std::vector<VertexLoad> forces_;
   std::vector<Spring> springs_;      // points at the start of the frame
-  Mat3X<double> moves_;              // of the points in this frame, 3 × #springs [m]; none: they rest
-  Mat3X<double> targets_;            // for the next frame [m]; none: they stay
-  double begin_ = 0, duration_ = 0;  // of the frame [s]
+  Mat3X<double> moves_;              // moves of the points in this frame, 3 × #springs [m]; none: they rest
+  Mat3X<double> targets_;            // targets of the next frame [m]; none: they stay
+  double begin_ = 0, duration_ = 0;  // times of the frame [s]
 };
 
 extern template class AppliedForces<float>;

@@ -22,8 +22,8 @@ namespace lobe {
 // What strands of an attachment have gone, and why.
 struct StrandsGone {
   Index count = 0;
-  double area = 0;    // of the bed [m²]
-  double energy = 0;  // that they took along [J]
+  double area = 0;    // area of the bed [m²]
+  double energy = 0;  // energy that they took along [J]
   bool is_valid() const {
     return count >= 0 && std::isfinite(area) && area >= 0 && std::isfinite(energy) && energy >= 0;
   }
@@ -33,12 +33,12 @@ struct StrandsGone {
 // An attachment as it is now. Work on a body = energies + released + cut.energy.
 struct AttachmentFigures {
   std::string name;
-  Index strands = 0;      // that are left
-  double area = 0;        // of the bed that they stand for [m²]
-  double tension = 0;     // the largest [N]
+  Index strands = 0;      // strands that are left
+  double area = 0;        // area of the bed that they stand for [m²]
+  double tension = 0;     // largest tension [N]
   double stored = 0;      // elastic energy [J], also in Energies::applied
-  double released = 0;    // by damage, in strands that are left as well [J]
-  StrandsGone torn, cut;  // cut: by tools, commands and with the tissue around them
+  double released = 0;    // energy that damage released, in strands that are left as well [J]
+  StrandsGone torn, cut;  // `cut`: by tools, by commands, and with the tissue around them
 };
 
 template <class Real>
@@ -53,7 +53,7 @@ class Attachments : public ForceTerm<Real> {
   void detach(const std::string& name, const At& at);
 
   std::vector<AttachmentFigures> figures(const At& at) const;
-  std::vector<AttachmentSetup> as_setup() const;  // those of which something is left, as damaged as they are
+  std::vector<AttachmentSetup> as_setup() const;  // attachments that are left, as damaged as they are
 
   // ---- ForceTerm
 
@@ -77,12 +77,12 @@ class Attachments : public ForceTerm<Real> {
 
  private:
   struct Attachment {
-    AttachmentSetup now;  // with the strands that are left
+    AttachmentSetup now;  // the attachment with the strands that are left
     StrandsGone torn, cut;
-    // Of the strands that have torn since the last call of take_events().
+    // Figures of the strands that have torn since the last call of take_events().
     StrandsGone torn_since;
-    Vec3d places = Vec3d::Zero();  // sum [m]
-    double last = 0;               // when the last one tore [s]
+    Vec3d places = Vec3d::Zero();  // sum of their places [m]
+    double last = 0;               // time when the last one tore [s]
     static constexpr auto fields =
         std::tuple(&Attachment::now, &Attachment::torn, &Attachment::cut, &Attachment::torn_since,
                    &Attachment::places, &Attachment::last);
@@ -95,7 +95,7 @@ class Attachments : public ForceTerm<Real> {
   struct Strand {
     std::array<Index, 8> corners;
     std::array<Real, 8> weights;
-    Vec3<Real> at_rest;        // from `from` to `to` [m]
+    Vec3<Real> at_rest;        // vector from `from` to `to` at rest [m]
     Real length, stiffness;    // [m], [N/m], damaged as it is
     Real unchanged_until;      // elongation [m]
     Index attachment, number;  // among the strands of the attachment

@@ -31,12 +31,12 @@ class Cables {
     double friction = 0;   // μ where it passes q into the next span of its chain
     double length = 0;     // l [m]
     double tension = 0;    // T [N]
-    int slip = 0;          // at q: 1 to the next span, −1 from it, 0: it sticks
-    // Of the step that was solved:
+    int slip = 0;          // slip at q: 1 to the next span, −1 from it, 0: it sticks
+    // Results of the last solution:
     double stretched = 0;         // S [m]
     Vec3d along = Vec3d::Zero();  // t, from p to q
-    double longer = 0;            // by how much l grows [m]
-    // What a length takes along that leaves a span of this tension [J/m]: its work, and its energy.
+    double longer = 0;            // growth of l [m]
+    // What a span of this tension loses with a length that slips out of it [J/m]: its work, and its energy.
     double energy_per_length(double T) const { return T + T * T / (2 * stiffness); }
     double compliance(double l) const { return std::max(l, shortest) / stiffness; }  // [m/N]
   };
@@ -48,14 +48,14 @@ class Cables {
   };
   struct Point {
     Vec3d x = Vec3d::Zero();  // [m]
-    Vec3d v = Vec3d::Zero();  // at the end of the step without the cables [m/s]
-    double holds = std::numeric_limits<double>::infinity();  // what the tissue bears [N]
-    // Of the step that was solved:
-    Vec3d force = Vec3d::Zero();  // of the cables on it [N]
-    double way = 0;               // by how far it gives way along its force [m]
-    Vec3d along = Vec3d::Zero();  // the direction of that
+    Vec3d v = Vec3d::Zero();  // velocity at the end of the step without the cables [m/s]
+    double holds = std::numeric_limits<double>::infinity();  // force that the tissue bears [N]
+    // Results of the last solution:
+    Vec3d force = Vec3d::Zero();  // force of the cables on it [N]
+    double way = 0;               // distance by which it gives way along its force [m]
+    Vec3d along = Vec3d::Zero();  // direction in which it gives way
   };
-  // What became of the energy in the step that was solved [J].
+  // Energy that the last solution lost [J].
   struct Losses {
     double friction = 0, cut = 0;
   };
@@ -75,12 +75,12 @@ class Cables {
   const std::vector<Span>& spans() const { return spans_; }
 
   void place();       // S and t of each span, from the positions of the points
-  void sum_forces();  // on points, from the tensions
+  void sum_forces();  // adds the tensions up to forces on points
   // Finds tensions, slips and forces on points. Without mobility and at dt = 0: of points that do not move.
-  void solve(double dt, double push);  // [s], [s]
+  void solve(double dt, double push);  // times [s], [s]
   // Takes the slips over into the natural lengths. Their sum stays the same in each chain.
   Losses slip();
-  double energy() const;  // at the lengths of place() [J]
+  double energy() const;  // energy at the lengths of place() [J]
 
  private:
   struct Coupling {
@@ -88,18 +88,18 @@ class Cables {
     Vec3d mobility = Vec3d::Zero();  // [1/kg]
   };
   struct Run {
-    Index begin = 0, end = 0;  // in order_
-    double tension = 0;        // of its first span
-    double compliance = 0;     // of its equation
+    Index begin = 0, end = 0;  // range in order_
+    double tension = 0;        // tension of its first span
+    double compliance = 0;     // compliance of its equation
     bool is_taut = false;
   };
 
   // Chains that share a point, or act on each other by mobility. Each cluster is solved by itself.
   struct Cluster {
-    Index chains_begin = 0, chains_end = 0;  // in chains_of_
-    Index points_begin = 0, points_end = 0;  // in points_of_
+    Index chains_begin = 0, chains_end = 0;  // range in chains_of_
+    Index points_begin = 0, points_end = 0;  // range in points_of_
     Index begin = 0, spans = 0;              // its spans in order_; its runs begin there in runs_
-    Index runs_end = 0;                      // in runs_
+    Index runs_end = 0;                      // end in runs_
   };
 
   void find_clusters();
@@ -124,7 +124,7 @@ class Cables {
   void assemble(std::span<Run> own);
   double missing(std::span<const Run> own, std::size_t i) const;
   void solve_taut(std::span<Run> own);
-  // Of the entry (i, j) of A in matrix_ and factor_, whose rows have 2 band_ + 1 entries.
+  // The place of the entry (i, j) of A in matrix_ and factor_, whose rows have 2 band_ + 1 entries.
   std::size_t place_in_band(std::size_t i, std::size_t j) const { return i * 2 * band_ + j + band_; }
   double residual(Index span) const;
   bool find_slips(const Cluster& cluster);
@@ -143,26 +143,26 @@ class Cables {
   std::vector<Point> points_;
   std::vector<Span> spans_;
   std::vector<Chain> chains_;
-  std::vector<Index> coupling_begin_ = {0};  // per span, into couplings_; and the end
+  std::vector<Index> coupling_begin_ = {0};  // begin of each span in couplings_; and the end
   std::vector<Coupling> couplings_;
-  std::vector<Vec3d> mobilities_;  // of points on each other, scratch of couple()
+  std::vector<Vec3d> mobilities_;  // mobility of points on each other, scratch of couple()
   // Scratch of a step:
   std::vector<double> inertance_;   // dt push A, per coupling [m/N]
   std::vector<double> wanted_;      // the right-hand side, per span [m]
   std::vector<double> compliance_;  // l/EA, per span [m/N]
-  std::vector<double> ratio_;       // e^(μθ) at q, per span
+  std::vector<double> ratio_;       // e^(μθ) at q of each span
   std::vector<double> share_;       // T of a span over that of its run's first
   std::vector<double> through_;     // the slip at q into the next span [m]
   // The equations A T = b of a cluster's runs:
-  std::size_t band_ = 0;                 // how far entries of A are from its diagonal
+  std::size_t band_ = 0;                 // distance of entries of A from its diagonal
   std::vector<double> matrix_, factor_;  // [m/N]
   std::vector<double> right_;            // [m]
   std::vector<Index> order_;             // spans, run by run
-  std::vector<Index> run_of_;            // per span
-  std::vector<Run> runs_;                // those of a cluster from its `begin` on
-  std::vector<Cluster> clusters_;        // in the order of their first chains; none: they are to be found
+  std::vector<Index> run_of_;            // run of each span
+  std::vector<Run> runs_;                // runs of a cluster, from its `begin` on
+  std::vector<Cluster> clusters_;        // clusters in the order of their first chains; none: not found yet
   std::vector<Index> chains_of_, points_of_;       // cluster by cluster, ascending
-  std::vector<Index> root_, chain_of_, chain_at_;  // per chain, span, point: scratch of find_clusters()
+  std::vector<Index> root_, chain_of_, chain_at_;  // one per chain, span, point: scratch of find_clusters()
 };
 
 template <class Mobility>

@@ -25,8 +25,8 @@ inline constexpr double clip_closing_time = 0.2;  // [s]
 // A clip as it is now.
 struct ClipFigures {
   std::string name;
-  Index pairs = 0;   // of points that it holds together; 0: it has fallen off
-  double apart = 0;  // the largest distance of a pair [m]
+  Index pairs = 0;   // pairs of points that it holds together; 0: it has fallen off
+  double apart = 0;  // largest distance of a pair [m]
   double force = 0;  // sum of the tensions of all pairs [N]
 };
 
@@ -44,7 +44,7 @@ class Clips : public ForceTerm<Real> {
 
   explicit Clips(const Setup& setup);
 
-  // The clip that closes on what is there; without pairs if that is nothing. Pre-computed regions are
+  // Finds the clip that closes on what is there; it has no pairs if nothing is. Pre-computed regions count as
   // nothing, since no force moves their interior. O(#triangles of the surface).
   static ClipSetup find(const ClipClosure& closure, const SurfaceMesh& surface, const At& at);
   bool has(ToolId tool, int number) const;
@@ -74,17 +74,17 @@ class Clips : public ForceTerm<Real> {
  private:
   struct State {
     std::vector<ClipSetup> clips;
-    std::vector<double> open;  // per carrier: area of its open faces that are fed [m²]
+    std::vector<double> open;  // area of each carrier's open faces that are fed [m²]
     std::vector<Event> events;
   };
-  // What flows in a carrier comes to these tetrahedra.
+  // Finds the tetrahedra to which the content of a carrier flows.
   std::vector<char> reached(const CarrierSetup& carrier, const Elements& elements) const;
   void find_open(std::size_t carrier, const SurfaceMesh& surface, const At& at);
 
   std::vector<CarrierSetup> carriers_;
   State state_;
-  bool has_changed_ = true;  // since carriers were looked at
-  std::uint64_t seen_ = 0;   // revision of the surface at which they were
+  bool has_changed_ = true;  // whether anything has changed since carriers were looked at
+  std::uint64_t seen_ = 0;   // revision of the surface at that time
 };
 
 extern template class Clips<float>;

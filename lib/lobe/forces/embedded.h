@@ -17,12 +17,12 @@ class Grains;
 
 struct FoundPoint {
   EmbeddedPoint point;
-  double distance = 0;  // from where it was wanted to the nearest tetrahedron [m]; 0 inside of one
+  double distance = 0;  // distance from the wanted place to the nearest tetrahedron [m]; 0 inside of one
 };
 // The point of a mesh that is at X, or the point of it that is nearest to X. O(log #tets).
 FoundPoint embed(const Locator& locator, const Vec3d& X);  // [m]
 
-// The same in the body as it is now: the point at x, or the nearest. O(#tets).
+// The point of the body as it is now that is at x, or the nearest one. O(#tets).
 template <class Real>
 FoundPoint embed_now(const Vec3d& x, const Elements& elements,
                      const Grains* grains,   // null: no blade has cut
@@ -56,12 +56,12 @@ void add_force(const EmbeddedPoint& point, const Topology& topology, const Vec3d
 // if rounding has put it between two of them. O(#copies).
 void follow_division(EmbeddedPoint& point, const Elements& elements, const Grains& grains,
                      const MeshEdit& edit);
-// From a point at rest to the material of a tetrahedron: 0 if nothing has divided it [m].
+// Distance of a point at rest to the material of a tetrahedron; 0 if nothing has divided it [m].
 double distance_to_material(const Vec3d& X, Index tet, const Elements& elements, const Grains* grains);
 
 // ---- Motion through tissue
 
-// Where a point comes out that is moved through the tissue to x [m], from tetrahedron to tetrahedron. The
+// Where a point comes out if it is moved through the tissue to x [m], from tetrahedron to tetrahedron. The
 // result has no tetrahedron if it comes to the surface first, that of cuts included.
 template <class Real>
 EmbeddedPoint moved_through(const EmbeddedPoint& point, const Vec3d& x, const Elements& elements,

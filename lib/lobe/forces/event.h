@@ -19,12 +19,12 @@ struct Event {
     burnt,     // a cautery burnt tissue, which smokes; size: its volume at rest [m³]
     clipped,   // a clip has closed; size: how far apart its legs found the tissue's faces [m]
     bleeding,  // a body that carries blood is open where it is fed; size: the area of its open faces [m²]
-    leak       // the same of one that carries bile
+    leak       // a body that carries bile is open where it is fed; size as for bleeding
   };
   Kind kind = Kind::torn;
   double time = 0;                  // [s]
-  std::optional<Vec3d> place = {};  // [m]; none: it is not known
-  double size = 0;                  // in the unit of the kind; 0: it has none
+  std::optional<Vec3d> place = {};  // place [m]; none: it is not known
+  double size = 0;                  // size in the unit of the kind; 0: it has none
   std::string text = {};            // one line for people; empty: it only goes on
   bool is_valid() const {
     return std::isfinite(time) && (!place || place->allFinite()) && std::isfinite(size) && size >= 0;

@@ -25,18 +25,18 @@ class Grains;
 struct BodyView {
   const Model& model;
   const SurfaceMesh& surface;
-  const std::vector<double>& mass;  // per vertex [kg]
+  const std::vector<double>& mass;  // mass of each vertex [kg]
   const Grains* grains = nullptr;   // null: no blade has cut
   double omega = 0;                 // highest frequency of the body at rest [rad/s]
-  double lumped_omega = 0;          // the same if masses were lumped
+  double lumped_omega = 0;          // highest frequency if masses were lumped [rad/s]
   double ratio = 1;                 // lumped_omega over the highest frequency of a single vertex
-  int mass_degree = 1;              // of selective masses; 1: they are lumped
+  int mass_degree = 1;              // degree of selective masses; 1: they are lumped
   // The share of its stiffness that contact keeps at this degree (contact/softening.h). Null if masses are
   // lumped.
   std::function<double()> softening = {};
 };
 
-// What the next step makes of the forces f of an evaluation: v⁺ = keep v + push f/m, u⁺ = u + dt v⁺
+// What the next step makes of the forces f that are asked for: v⁺ = keep v + push f/m, u⁺ = u + dt v⁺
 // (body/integrator.h).
 struct Kick {
   double keep = 1, push = 0;  // [-], [s]
@@ -46,16 +46,16 @@ struct Kick {
 template <class Real>
 class ForceTerm {
  public:
-  struct At {  // columns are of at least all vertices
+  struct At {  // columns: at least all vertices
     const Model& model;
     const Mat3X<Real>& u;  // [m]
     const Mat3X<Real>& v;  // [m/s]
     double time = 0;       // [s]
-    Kick kick = {};        // of the step that follows
+    Kick kick = {};        // the step that follows
   };
 
   virtual ~ForceTerm() = default;
-  virtual std::string name() const = 0;  // in checkpoints; different from those of other terms
+  virtual std::string name() const = 0;  // name in checkpoints, different from those of other terms
 
   // Once per step: f += forces that act on vertices [N]. A force that depends on v is taken half a step late.
   virtual void add_forces(const At& at, Mat3X<Real>& f) = 0;
@@ -66,20 +66,20 @@ class ForceTerm {
   // Vertices on which it may act in this frame. In a reduced region they do not follow the lattice, which has
   // no forces of terms.
   virtual std::vector<Index> acts_on(const Model& model) const = 0;
-  // Those of them on which it may act although they rest. They do not sleep through the frame. A drag, which
-  // acts only on what moves, has none.
+  // The vertices of acts_on() on which it may act although they rest. They do not sleep through the frame. A
+  // drag, which acts only on what moves, has none.
   virtual std::vector<Index> wakes(const Model& model) const { return acts_on(model); }
   // Adds the damping that each vertex feels, the largest of −∂f_v/∂v_v over all directions [kg/s], to its
   // entry. Without it the steps would be too long, since the force is taken half a step late.
   virtual void add_diagonal_damping(const At&, std::vector<double>&) const {}
   virtual void begin_frame(double /*time*/, double /*duration*/) {}  // [s]
-  virtual void follow(const Topology&, const MeshEdit&) {}           // of the mesh
-  // Is called after follow() once a blade has cut: which part of a divided tetrahedron is where.
+  virtual void follow(const Topology&, const MeshEdit&) {}           // follows an edit of the mesh
+  // Is called after follow() once a blade has cut: grains say where each part of a divided tetrahedron is.
   virtual void follow_grains(const Elements&, const Grains&, const MeshEdit&) {}
-  // Is called before a tool burns or cuts what it sweeps in a frame: of what is no tissue, that goes which
-  // crosses it.
+  // Is called before a tool burns or cuts what it sweeps in a frame. The term loses what is no tissue and
+  // crosses the volume, as threads and strands.
   virtual void sever(const SweptVolume&, const At&) {}
-  virtual std::vector<Event> take_events() { return {}; }  // since the last call
+  virtual std::vector<Event> take_events() { return {}; }  // events since the last call
   virtual std::vector<TermLines> lines(const At&) const { return {}; }
 
   // ---- For terms that act between the body and what is around it
@@ -112,7 +112,7 @@ class ForceTerm {
 template <class Real>
 using ForceTerms = std::vector<std::shared_ptr<ForceTerm<Real>>>;
 
-// The term of this kind among those of a body; null if there is none.
+// Returns the term of this kind among those of a body; null if there is none.
 template <template <class> class Term, class Real>
 Term<Real>* term_of(const ForceTerms<Real>& terms) {
   for (const auto& term : terms)

@@ -16,14 +16,14 @@
 
 namespace lobe {
 
-// What every kind has whose forces depend on displacements of its vertices alone:
+// Functions of every kind of region whose forces depend on displacements of its own vertices alone:
 //   model                    RegionModel whose law its tetrahedra have
 //   follow                   takes what enters, and leaves what leaves
 //   add_forces               [N], of displacements [m]
 //   energy                   [J]
 //   add_diagonal_stiffness   [N/m], and the smallest det F
 //   visit_patches            visit(layout, sums), of all that it evaluates in patches
-// The others, whose vertices follow an interface or a lattice, have what Regions asks of them by name.
+// The other kinds, whose vertices follow an interface or a lattice, have what Regions asks of them by name.
 template <class Region, class Real>
 concept FreeRegion = requires(Region region, const Elements& elements, const RegionEdit& edit,
                               const Mat3X<Real>& u, Mat3X<Real>& f, DiagonalStiffness& K,

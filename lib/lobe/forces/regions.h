@@ -67,9 +67,9 @@ class Regions {
   bool can_begin_condensing() const { return any_condensed() && !is_condensing(); }
   double condensing_due() const { return condensing_due_; }
   void begin_condensing(const Elements& elements, double due, const std::vector<double>& about);
-  const Mat3X<double>& linearised_about() const { return precomputed().about(); }  // none: rest
+  const Mat3X<double>& linearised_about() const { return precomputed().about(); }  // no column: rest
 
-  bool any_condensed() const { return precomputed().tet_count() > 0; }  // tetrahedra, expanded or not
+  bool any_condensed() const { return precomputed().tet_count() > 0; }  // expanded or not
   bool is_condensed(Index tet) const { return precomputed().has(tet); }
   bool is_interior(Index vertex) const { return any_condensed() && precomputed().is_interior(vertex); }
   // Some vertices have no mass and follow others: an interior its interface, embedded ones their nodes.
@@ -97,7 +97,7 @@ class Regions {
 
   // ---- Reduced regions, whose embedded vertices follow the nodes of a lattice
 
-  bool any_reduced() const { return reduced().any(); }  // tetrahedra
+  bool any_reduced() const { return reduced().any(); }  // whether it has tetrahedra
   bool any_embedded() const { return reduced().any_embedded(); }
   // Whether vertices follow a lattice, or may.
   bool any_roles() const { return any_reduced() || any_embedded(); }
@@ -116,7 +116,7 @@ class Regions {
 
   // Whether energies are those of the tetrahedra that there are: false between an edit and embed().
   bool are_up_to_date() const { return reduced().is_up_to_date(); }
-  double least_mass(Index vertex) const { return reduced().least_mass(vertex); }  // of one that moves [kg]
+  double least_mass(Index vertex) const { return reduced().least_mass(vertex); }  // of a moving vertex [kg]
 
   // Nodes, which move as vertices do.
   bool any_moving_nodes() const { return reduced().any_moving(); }
@@ -128,7 +128,7 @@ class Regions {
                                                             const DiagonalStiffness& K, double ratio) {
     return reduced().highest_frequency(state, K, ratio);
   }
-  double kinetic_energy(const StateColumns<Real>& state) const {  // of what follows [J]
+  double kinetic_energy(const StateColumns<Real>& state) const {  // energy of what follows [J]
     return reduced().kinetic_energy(state.nodes);
   }
   // Vertices on which a force term acted in the last step to no effect.
@@ -157,13 +157,13 @@ class Regions {
   // state.
   void add_forces_near_rest(const Mat3X<Real>& u, Mat3X<Real>& f, Parallel& parallel);
   void add_forces_near(const Mat3X<Real>& u, double missing_share, Mat3X<Real>& f, Parallel& parallel);
-  // Those of all tetrahedra, as if no vertex were embedded.
+  // The forces of all tetrahedra, as if no vertex were embedded.
   void add_tet_forces_near_rest(const Mat3X<Real>& u, Mat3X<Real>& f, Parallel& parallel);
   // Adds the stiffness that each vertex feels when it moves while its neighbours are held. Returns the
   // smallest det F.
   SmallestVolumeRatio add_diagonal_stiffness(const Mat3X<Real>& u, DiagonalStiffness& K, Parallel& parallel);
   ElasticEnergy energy(const Elements& elements, const StateColumns<Real>& state);
-  const std::vector<Index>& shared() const { return precomputed().shared(); }  // by a condensed region
+  const std::vector<Index>& shared() const { return precomputed().shared(); }  // condensed region's interface
   Vec3d force_on_fixed(const Elements& elements, const Mat3X<Real>& u, Index vertex) const {
     return precomputed().force_on_fixed(elements, u, vertex);
   }
@@ -173,7 +173,7 @@ class Regions {
   enum class Interior { none, displacements, all };
   void recover(const Model& model, double missing_share, Interior wanted, StateColumns<Real>& state);
 
-  template <class Visit>  // visit(layout, sums), of all that is evaluated in patches
+  template <class Visit>  // visit(layout, sums): all that is evaluated in patches
   void visit_patches(Visit&& visit) {
     visit_regions(
         list_, [&](auto& region) -> decltype(region.visit_patches(visit)) { region.visit_patches(visit); });
@@ -181,8 +181,8 @@ class Regions {
   PatchCount patch_count();
   // Grows when the sums of the patches no longer are those of the last forces.
   std::uint64_t sums_revision() const { return sums_revision_; }
-  void forget_sums();       // which the patches have stored
-  void invalidate_sums() {  // before forces at other displacements are evaluated
+  void forget_sums();       // forgets the sums that the patches have stored
+  void invalidate_sums() {  // call it before forces at other displacements
     forget_sums();
     ++sums_revision_;
   }

@@ -10,10 +10,10 @@
 
 namespace lobe {
 
-struct ThreadSpan {    // from one bite, knot or hand to the next
-  double length = 0;   // natural [m]
-  double tension = 0;  // of the last step [N]
-  int slip = 0;        // at its end, of the last step (Cables::Span)
+struct ThreadSpan {    // a length of thread from one bite, knot or hand to the next
+  double length = 0;   // natural length [m]
+  double tension = 0;  // tension of the last step [N]
+  int slip = 0;        // slip at its end in the last step (Cables::Span)
   bool is_cut = false;
   bool is_valid() const {
     return std::isfinite(length) && std::isfinite(tension) && tension >= 0 && slip >= -1 && slip <= 1;
@@ -24,14 +24,14 @@ struct ThreadSpan {    // from one bite, knot or hand to the next
 
 struct ThreadBite {
   EmbeddedPoint point;
-  Index number = 0;  // in the order in which they were sewn
+  Index number = 0;  // number in the order of sewing
   static constexpr auto fields = std::tuple(&ThreadBite::point, &ThreadBite::number);
 };
 
 struct ThreadKnot {
-  Index from = 0, to = 0;  // in Thread::bites
-  ThreadSpan closing;      // from `to` back to `from`
-  double to_tighten = 0;   // what is still to be drawn in [m]
+  Index from = 0, to = 0;  // places in Thread::bites
+  ThreadSpan closing;      // span from `to` back to `from`
+  double to_tighten = 0;   // length that is still to be drawn in [m]
   double rate = 0;         // [m/s]
   static constexpr auto fields = std::tuple(&ThreadKnot::from, &ThreadKnot::to, &ThreadKnot::closing,
                                             &ThreadKnot::to_tighten, &ThreadKnot::rate);
@@ -39,23 +39,23 @@ struct ThreadKnot {
 
 struct ThreadHand {
   bool holds = false;
-  Vec3d from = Vec3d::Zero(), to = Vec3d::Zero();  // at the start and end of the frame [m]
-  Vec3d target = Vec3d::Zero();                    // for the next frame [m]
-  ThreadSpan head, tail;                           // to the first bite, from the last
+  Vec3d from = Vec3d::Zero(), to = Vec3d::Zero();  // places at the start and end of the frame [m]
+  Vec3d target = Vec3d::Zero();                    // place for the next frame [m]
+  ThreadSpan head, tail;                           // spans to the first bite, and from the last
   static constexpr auto fields = std::tuple(&ThreadHand::holds, &ThreadHand::from, &ThreadHand::to,
                                             &ThreadHand::target, &ThreadHand::head, &ThreadHand::tail);
 };
 
 struct Thread {
   int number = 0;
-  std::string name;  // for messages
+  std::string name;  // name in messages
   ThreadMaterial material;
-  double at = 0;  // when a planned one is sewn [s]
+  double at = 0;  // time at which a planned one is sewn [s]
   bool is_sewn = false;
-  std::vector<TieSetup> plans;  // knots that are still to be tied, by the numbers of the bites
+  std::vector<TieSetup> plans;  // knots still to be tied, by the numbers of the bites
   std::vector<ThreadBite> bites;
-  std::vector<ThreadSpan> spans;  // from each bite to the next
-  std::vector<ThreadKnot> knots;  // in their order along the thread
+  std::vector<ThreadSpan> spans;  // spans from each bite to the next
+  std::vector<ThreadKnot> knots;  // knots in their order along the thread
   ThreadHand hand;
 
   bool is_valid() const;
@@ -69,7 +69,7 @@ struct Thread {
   void remove_bite(Index at);
   // Opens the thread behind a bite, and the loop that this is part of.
   void cut_after(Index at);
-  // A knot between two bites whose closing span has this length [m].
+  // Ties a knot between two bites; its closing span has the length `closing` [m].
   void tie(Index from, Index to, double closing, double tighten, double over);
   // Whether the thread may be tied there: empty, or why not.
   std::string fault_of_tie(Index from, Index to) const;

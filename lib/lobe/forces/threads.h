@@ -19,14 +19,14 @@ struct ThreadLine {
   int thread = 0;
   std::string name;
   Mat3X<double> points{3, 0};    // along the thread, loops closed [m]
-  std::vector<double> tensions;  // of the segments between them [N]
+  std::vector<double> tensions;  // tension of each segment between them [N]
 };
 
 // Where work on threads and their energy went since they were sewn [J].
 struct ThreadLedger {
   double hand = 0;      // work of hands, and of knots that were tightened
-  double friction = 0;  // where threads slip
-  double cut = 0;       // where threads cut into the tissue
+  double friction = 0;  // loss where threads slip
+  double cut = 0;       // loss where threads cut into the tissue
   bool is_valid() const { return std::isfinite(hand) && std::isfinite(friction) && std::isfinite(cut); }
   static constexpr auto fields = std::tuple(&ThreadLedger::hand, &ThreadLedger::friction, &ThreadLedger::cut);
 };
@@ -38,19 +38,19 @@ class Threads : public ForceTerm<Real> {
 
   explicit Threads(const Setup& setup);
 
-  // ---- What is done to threads. Each throws InputError for what cannot be done, and has changed nothing.
+  // ---- What is done to threads. Each throws InputError for what cannot be done, and then changes nothing.
 
   void bring(int thread, const ThreadMaterial& material);
   void bite(int thread, const EmbeddedPoint& point, const At& at);
   void pull(int thread, bool on, const Vec3d& point, const At& at);
-  bool lead(int thread, const Vec3d& point);  // the hand that holds it; false: none does, nothing is changed
+  bool lead(int thread, const Vec3d& point);  // moves the hand that holds it; false: none does
   void tie(int thread, Index from, Index to, double tighten, double over, const At& at);
   void cut(int thread, Index after);
 
   const std::vector<Thread>& all() const { return state_.threads; }
   const ThreadLedger& ledger() const { return state_.ledger; }
   std::vector<ThreadLine> drawn(const At& at) const;
-  std::vector<StitchSetup> stitches(const Elements& elements) const;  // that give the same threads at rest
+  std::vector<StitchSetup> stitches(const Elements& elements) const;  // stitches that give them again
 
   // ---- ForceTerm
 
@@ -61,7 +61,7 @@ class Threads : public ForceTerm<Real> {
   bool see_tools(std::span<const ToolBody>, double) override { return std::exchange(has_changed_, false); }
   void see_body(const BodyView& body, const At& at) override;
   void add_forces(const At& at, Mat3X<Real>& f) override;
-  // Of the tensions across the thread; along it the step is implicit.
+  // Adds the stiffness of the tensions across the thread; along it the step is implicit.
   void add_diagonal_stiffness(const At& at, DiagonalStiffness& K) override;
   double energy(const At& at) override;
   std::vector<Index> acts_on(const Model& model) const override;
@@ -85,7 +85,7 @@ class Threads : public ForceTerm<Real> {
   struct Source {
     std::size_t thread = 0;
     Index bite = -1;           // −1: the hand
-    EmbeddedPoint moved = {};  // after this step, if it gives way; no tetrahedron: at the surface
+    EmbeddedPoint moved = {};  // place after this step, if it gives way; no tetrahedron: the surface
   };
   struct SpanSource {
     std::size_t thread = 0;
@@ -114,10 +114,10 @@ class Threads : public ForceTerm<Real> {
 
   State state_, saved_;
   Cables cables_;
-  std::vector<Source> sources_;           // of points
-  std::vector<SpanSource> span_sources_;  // of spans
-  Mat3X<double> inverse_mass_;            // 3 × #vertices, by axis [1/kg]
-  std::uint64_t seen_structure_ = ~std::uint64_t(0), seen_inertia_ = ~std::uint64_t(0);  // of these masses
+  std::vector<Source> sources_;           // sources of points
+  std::vector<SpanSource> span_sources_;  // sources of spans
+  Mat3X<double> inverse_mass_;            // 3 × #vertices: inverse mass by axis [1/kg]
+  std::uint64_t seen_structure_ = ~std::uint64_t(0), seen_inertia_ = ~std::uint64_t(0);  // their revisions
   const Grains* grains_ = nullptr;
   struct Torn {
     std::size_t thread;
@@ -126,7 +126,7 @@ class Threads : public ForceTerm<Real> {
   };
   std::vector<Torn> torn_;                      // scratch
   double time_ = 0, begin_ = 0, duration_ = 0;  // the last evaluation; the frame [s]
-  double due_ = -unlimited;                     // until when plans are to be done [s]
+  double due_ = -unlimited;                     // time until which plans are to be done [s]
   bool is_arranged_ = false, is_coupled_ = false, is_solved_ = false, has_changed_ = false;
 };
 

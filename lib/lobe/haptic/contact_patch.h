@@ -19,7 +19,7 @@
 namespace lobe {
 
 struct ContactPatchLimits {
-  double reach = 0.026;   // of the patch, from the contact [m]
+  double reach = 0.026;   // distance from the contact to the patch's rim [m]
   Index most_free = 150;  // vertices; a finer mesh has a smaller patch
 };
 
@@ -35,9 +35,9 @@ class ContactPatch {
   // Whether a tetrahedron that was gathered is gone or has other corners by now.
   bool is_cut(const Topology& topology) const;
 
-  // Of the contact, nothing else moving: K_rr [N/m].
+  // The stiffness of the contact while nothing else moves, K_rr [N/m].
   Mat3<double> blocked() const;
-  // The same with the patch around it yielding [N/m]. O(free_count()³); destroys the patch.
+  // The stiffness with the patch around it yielding, K [N/m]. O(free_count()³); destroys the patch.
   Mat3<double> condense();
 
  private:
@@ -45,21 +45,21 @@ class ContactPatch {
   void add_tet(const Model& model, Index tet, const std::function<Vec3d(Index)>& displacement);
 
   Eigen::MatrixXd K_;            // lower triangle; the last 3 are the contact
-  std::vector<Index> place_;     // per vertex of the mesh: its number, contact_ or none
-  std::vector<Index> vertices_;  // with a place other than none
+  std::vector<Index> place_;     // number of each vertex of the mesh in K_, contact_ or none
+  std::vector<Index> vertices_;  // vertices with a place other than none
   std::vector<Index> tets_;
-  std::vector<Eigen::Vector4i> corners_;  // of these
+  std::vector<Eigen::Vector4i> corners_;  // corners of tets_
   Index free_ = 0;
 };
 
-// Symmetric, with eigenvalues from 0 to `highest` [N/m].
+// Returns the symmetric part of K with its eigenvalues clamped to 0 … `highest` [N/m].
 Mat3<double> clamped(const Mat3<double>& K, double highest);
 // Symmetric, and between `least` and `most` times a symmetric A ≥ 0 in each direction: the eigenvalues of
 // the pencil (K, A) are clamped.
 Mat3<double> clamped_to(const Mat3<double>& K, const Mat3<double>& A, double least, double most);
 double highest_eigenvalue(const Mat3<double>& K);
 
-// √(μ/ρ) of a tetrahedron [m/s].
+// The shear speed √(μ/ρ) of a tetrahedron [m/s].
 double shear_speed(const Elements& elements, Index tet);
 
 }  // namespace lobe

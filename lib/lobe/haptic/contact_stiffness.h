@@ -19,10 +19,10 @@
 
 namespace lobe {
 
-// Of K before any motion has said how stiff the contact is: a share of the patch, but no more than `most`
+// K before any motion has said how stiff the contact is: a share of the patch, but no more than `most`
 // along `normal`, and no less than the softest share.
 struct ExpectedStiffness {
-  double share = 1, most = std::numeric_limits<double>::infinity();  // 1, [N/m]
+  double share = 1, most = std::numeric_limits<double>::infinity();  // [-], [N/m]
   Vec3d normal = Vec3d::UnitZ();
 
   double share_of(const Mat3<double>& patch) const {
@@ -34,10 +34,10 @@ struct ExpectedStiffness {
 class ContactStiffness {
  public:
   struct Settings {
-    double every = 0.025;  // between two patches [s]
+    double every = 0.025;  // time between two patches [s]
     double noise = 5e-5;   // shorter moves of the tool in a frame hardly count [m]
     double memory = 0.3;   // time constant with which older frames lose weight, while the tool moves [s]
-    double prior = 0.1;    // the share of Σ |d|²/3 that the patch has
+    double prior = 0.1;    // weight ω of the patch, as a share of Σ |d|²/3
     // Bounds of K in each direction, over the stiffness of the patch [-]. A patch is too stiff, by up to 4 in
     // what was tried. Without bounds, a body that oscillates would look soft or hard.
     double softest = 0.1, stiffest = 1.25;
@@ -49,13 +49,13 @@ class ContactStiffness {
   ContactStiffness(const ContactStiffness&) = delete;
   ContactStiffness& operator=(const ContactStiffness&) = delete;
 
-  void forget();  // another contact
+  void forget();  // begins anew, for another contact
   // Call it after a frame of `duration` in which a tool felt nothing, but is about to touch `contact`: K
   // becomes what is expected.
   void before_touch(const Model& model, std::span<const Index> contact,
                     const std::function<Vec3d(Index)>& displacement, double duration,
                     const ExpectedStiffness& expected);
-  // The tool felt nothing yet at `position`: the next frame says how stiff the contact is.
+  // Call it where the tool feels nothing yet: the next frame says how stiff the contact is.
   void begin_at(const Vec3d& position);
   // Call it after a frame of `duration` in which a tool that touches `contact` was at `position` and felt the
   // mean force `force`. It makes a new contact patch if one is due, or if the patch was cut or the contact
@@ -67,9 +67,9 @@ class ContactStiffness {
   // `softest` and `stiffest` times that of the condensed patch. Until the first patch is condensed, no
   // eigenvalue is above the highest of ContactPatch::blocked().
   const Mat3<double>& K() const { return K_; }
-  // r of a tool that holds [N/s]. 0 of a loose piece: that swings, and what it is felt by is its inertia.
+  // r of a tool that holds [N/s]. 0 on a loose piece: that swings, and is felt by its inertia.
   Vec3d rate() const { return is_loose_ ? Vec3d(Vec3d::Zero()) : rate_; }
-  // r of a tool that only pushes, of whose motion and stiffness only the parts along the normal count [N/s].
+  // r of a tool that only pushes, where the motion and the stiffness count along the normal alone [N/s].
   Vec3d rate_of_push(const Vec3d& normal) const;
 
  private:
@@ -86,21 +86,21 @@ class ContactStiffness {
   void help();
 
   const Settings settings_;
-  ContactPatch patch_;                             // of the helper while work is wanted
+  ContactPatch patch_;                             // patch; the helper's while work is wanted
   Mat3<double> condensed_ = Mat3<double>::Zero();  // its result
   Mat3<double> K_ = Mat3<double>::Zero(), of_patch_ = Mat3<double>::Zero();
   Mat3<double> ways_ = Mat3<double>::Zero(), changes_ = Mat3<double>::Zero();  // Σ d dᵀ, −Σ Δf dᵀ
   Vec3d rate_ = Vec3d::Zero();
-  Vec3d way_ = Vec3d::Zero();  // of the last frame since the one before [m]
-  double duration_ = 1;        // of it [s]
+  Vec3d way_ = Vec3d::Zero();  // way of the tool from the frame before to the last one [m]
+  double duration_ = 1;        // duration of that frame [s]
   double highest_ = 0, since_patch_ = 0;
   std::uint64_t structure_ = 0;
-  std::uint64_t since_cut_ = 1;  // [frames]
+  std::uint64_t since_cut_ = 1;  // frames since a cut
   std::size_t contact_size_ = 0;
   bool has_patch_ = false, has_last_ = false, is_outdated_ = false;
-  bool is_loose_ = false;  // what the tool touches
-  bool is_cut_ = false;    // the patch, since it was gathered
-  bool is_bound_ = false;  // of_patch_, until there is a result
+  bool is_loose_ = false;  // whether the tool touches a loose piece
+  bool is_cut_ = false;    // whether the patch was cut since it was gathered
+  bool is_bound_ = false;  // whether of_patch_ is a bound, until there is a result
   Vec3d last_position_ = Vec3d::Zero(), last_force_ = Vec3d::Zero();
   std::atomic<Work> work_ = Work::none;
   std::thread helper_;

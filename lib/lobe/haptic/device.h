@@ -20,28 +20,28 @@ struct DeviceState {
 
 // The limits of a device and its own damping.
 struct DeviceLimits {
-  double force = 3;         // the most that it is asked for [N]
+  double force = 3;         // greatest force that it is asked for [N]
   double torque = 0.1;      // [N m]
   double slew = 200;        // the fastest change of the force [N/s]
-  double stiffness = 1000;  // of the stiffest coupling [N/m]
-  double damping = 0.5;     // b, that its mechanics and the hand have in any case [N s/m]
+  double stiffness = 1000;  // stiffness of the stiffest coupling [N/m]
+  double damping = 0.5;     // damping b that its mechanics and the hand have in any case [N s/m]
 };
 
 // Throws InputError for limits that are not positive and finite.
 void check(const DeviceLimits& limits, const std::string& device);
 
-// All of it is called by one thread, that of the loop, once per tick. read() and write() neither wait, lock,
+// One thread, that of the loop, calls all of it, once per tick. read() and write() neither wait, lock,
 // allocate nor throw.
 class HapticDevice {
  public:
   virtual ~HapticDevice() = default;
   virtual std::string name() const = 0;
   virtual DeviceLimits limits() const = 0;
-  virtual bool read(DeviceState& state) noexcept = 0;  // false: it is not there
+  virtual bool read(DeviceState& state) noexcept = 0;  // false: the device is not there
   // A tool has been taken up. It is here, in the coordinates of the tool [m]. A device without a place of its
   // own is there from now on. Others stay where they are, and drive the tool from there.
   virtual void begin_at(const Vec3d&) noexcept {}
-  // On the hand [N], [N m].
+  // Puts force and torque on the hand [N], [N m].
   virtual void write(const Vec3d& force, const Vec3d& torque) noexcept = 0;
 };
 

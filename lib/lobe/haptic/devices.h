@@ -15,13 +15,13 @@ namespace lobe {
 class PointerTarget {
  public:
   using At = std::optional<Vec3d>;  // [m]; none: it aims at nothing
-  void aim(const At& target) {      // one thread
+  void aim(const At& target) {      // called by one thread
     if (At* at = points_.writable()) {
       *at = target;
       points_.publish();
     }
   }
-  At read() const {  // one other thread
+  At read() const {  // called by one other thread
     const auto at = points_.latest();
     return at ? *at : At{};
   }
@@ -35,7 +35,7 @@ class PointerTarget {
 class MouseDevice final : public HapticDevice {
  public:
   explicit MouseDevice(double tick = 1e-3) : tick_(tick) {}
-  // None: it stays where it is until it is aimed again, as the next tool is somewhere else.
+  // Without a target the device stays where it is until it is aimed again: the next tool is somewhere else.
   void aim(const std::optional<Vec3d>& target) { target_.aim(target); }
 
   std::string name() const override { return "mouse"; }
@@ -56,14 +56,14 @@ class MouseDevice final : public HapticDevice {
 class SimulatedHand final : public HapticDevice {
  public:
   struct Body {
-    double mass = 0.1;        // of device and fingers [kg]
-    double damping = 0.5;     // of the device [N s/m]
+    double mass = 0.1;        // mass of device and fingers [kg]
+    double damping = 0.5;     // damping of the device [N s/m]
     double grip = 300;        // stiffness of the hand [N/m]; 0: it lets go
     double grip_damping = 5;  // [N s/m]
   };
   using Path = std::function<Vec3d(double time)>;  // [s] → [m]
 
-  // On a path of its own, or, without one, after aim().
+  // Follows a path of its own, or, without one, aim().
   SimulatedHand(const Body& body, Path path, double tick = 1e-3);
   void aim(const std::optional<Vec3d>& target) { target_.aim(target); }  // as a MouseDevice
   void unplug(bool unplugged) { is_plugged_ = !unplugged; }
@@ -89,14 +89,14 @@ class SimulatedHand final : public HapticDevice {
   Vec3d goal_ = Vec3d::Zero(), position_ = Vec3d::Zero(), velocity_ = Vec3d::Zero(), force_ = Vec3d::Zero();
 };
 
-// For the servo loop of a vendor's library, or of an engine: it calls force() at its own rate, about every
-// millisecond, from one thread. Wait-free; it does not allocate or throw.
+// A device for the servo loop of a vendor's library or of an engine. It calls force() at its own rate, about
+// every millisecond, from one thread. Wait-free; it does not allocate or throw.
 class ExternalDevice {
  public:
   ExternalDevice(HapticLink& link, const DeviceLimits& limits, const ServoOptions& options = {})
       : servo_(link, limits, options), tick_(options.tick) {}
 
-  // `device`: null if there is none. By the clock, or after a given time since the last call [s].
+  // `device`: null if there is none. Time goes by the clock, or by `dt` since the last call [s].
   const HapticState& force(const DeviceState* device);
   const HapticState& force(const DeviceState* device, double dt) { return servo_.tick(device, dt); }
 

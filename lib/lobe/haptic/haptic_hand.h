@@ -23,13 +23,13 @@ template <class Real>
 class HapticHand final : public SessionHook<Real> {
  public:
   struct Settings {
-    int controller = -1;  // whose hand it is; −1: a controller of its own, and the buttons take hold
+    int controller = -1;  // controller whose hand it is; −1: one of its own, and the buttons take hold
     HandNumber hand = 1;
-    double radius = 0.01;  // of what is taken hold of [m]
+    double radius = 0.01;  // radius of what is taken hold of [m]
     ContactStiffness::Settings stiffness = {};
   };
 
-  // Between frames of the session, which outlives it. The link has one hand at a time.
+  // Make it between frames of the session, which outlives it. The link has one hand at a time.
   HapticHand(Session<Real>& session, HapticLink& link, const Settings& settings = {});
   ~HapticHand() override;  // the loop then has no tool, and its force is none
 
@@ -54,11 +54,11 @@ class HapticHand final : public SessionHook<Real> {
   LocalModel model_;
   ToolId tool_ = 0;
   std::uint32_t engagement_ = 0;
-  Vec3d before_ = Vec3d::Zero();  // where the tool was at the start of the frame [m]
-  std::optional<Vec3d> touch_;    // where a tool that feels nothing will begin to touch [m]
+  Vec3d before_ = Vec3d::Zero();  // place of the tool at the start of the frame [m]
+  std::optional<Vec3d> touch_;    // place where a tool that feels nothing will begin to touch [m]
   bool is_pressed_ = false;
-  HapticState last_;      // that was told of
-  bool was_bad_ = false;  // its poses
+  HapticState last_;      // state of the last warning
+  bool was_bad_ = false;  // whether its poses were bad
 };
 
 extern template class HapticHand<float>;

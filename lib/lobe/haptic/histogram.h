@@ -10,7 +10,7 @@ namespace lobe {
 
 class Histogram {
  public:
-  static constexpr int buckets = 4096;  // of 1 µs; the last has all that is longer
+  static constexpr int buckets = 4096;  // buckets of 1 µs; the last has all that is longer
 
   void add(double seconds) {
     const double micro = std::clamp(1e6 * seconds, 0.0, 1e9);

@@ -8,8 +8,8 @@
 namespace lobe {
 
 struct HapticLink {
-  TripleBuffer<LocalModel> model;   // of the session, once per frame
-  TripleBuffer<HapticState> state;  // of the loop, once per tick
+  TripleBuffer<LocalModel> model;   // models from the session, one per frame
+  TripleBuffer<HapticState> state;  // states from the loop, one per tick
 };
 
 // A servo with its link, driven by whoever calls tick().
@@ -18,7 +18,7 @@ class LinkedServo {
   LinkedServo(HapticLink& link, const DeviceLimits& limits, const ServoOptions& options)
       : link_(link), servo_(limits, options) {}
 
-  // Looks for a new model. Where its tool is, if the next tick takes up another one; else null.
+  // Looks for a new model. Returns where its tool is if the next tick takes up another tool; else null.
   const Vec3d* new_tool() {
     const LocalModel before = model_;
     if (const auto latest = link_.model.latest()) model_ = *latest;
@@ -31,7 +31,7 @@ class LinkedServo {
     return tick_with_model(device, dt);
   }
 
-  // With the model that new_tool() has seen.
+  // Ticks with the model that new_tool() has seen.
   const HapticState& tick_with_model(const DeviceState* device, double dt) {
     const HapticState& state = servo_.tick(device, model_, dt);
     if (HapticState* shared = link_.state.writable()) {

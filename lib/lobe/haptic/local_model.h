@@ -18,16 +18,16 @@ struct LocalModel {
   bool is_engaged = false;                  // there is a tool for the hand to lead
   std::uint32_t engagement = 0;             // counts those tools
   bool is_bilateral = true;                 // false: it only pushes, along the normal
-  double frame = 1.0 / 120;                 // between two models, of the clock [s]
+  double frame = 1.0 / 120;                 // time between two models, by the clock [s]
   double time = 0;                          // simulated [s]
-  Vec3d tool_at_end = Vec3d::Zero();        // where the tool is at the end of the frame [m]
-  Eigen::Vector4d turn_at_end{0, 0, 0, 1};  // the hand's orientation then: a unit quaternion x, y, z, w
+  Vec3d tool_at_end = Vec3d::Zero();        // place of the tool at the end of the frame [m]
+  Eigen::Vector4d turn_at_end{0, 0, 0, 1};  // orientation of the hand then: a unit quaternion x, y, z, w
   Vec3d position = Vec3d::Zero();           // x_k [m]
-  Vec3d force = Vec3d::Zero();              // f_k, on the tool [N]
-  Vec3d rate = Vec3d::Zero();               // r, of the force [N/s]
-  Vec3d torque = Vec3d::Zero();             // on the tool [N m]
+  Vec3d force = Vec3d::Zero();              // f_k, the force on the tool [N]
+  Vec3d rate = Vec3d::Zero();               // r, the change of the force [N/s]
+  Vec3d torque = Vec3d::Zero();             // torque on the tool [N m]
   Mat3<double> K = Mat3<double>::Zero();    // symmetric, without negative eigenvalues [N/m]
-  Vec3d normal = Vec3d::UnitZ();            // of the surface, outwards
+  Vec3d normal = Vec3d::UnitZ();            // outward normal of the surface
 };
 
 // Returns the model `since` [s] after it came: its force is f_k + r τ, with τ since the middle of its
@@ -38,7 +38,7 @@ Vec3d force_at(const LocalModel& model, const Vec3d& x);
 
 struct Proxy {
   Vec3d position;  // [m]
-  Vec3d force;     // on the tool there [N]
+  Vec3d force;     // force on the tool there [N]
 };
 // The tool between a spring of stiffness `coupling` to the device and the force of the model plus `offset`:
 // where both are in balance, coupling (x_d − x_p) + f(x_p) + offset = 0.

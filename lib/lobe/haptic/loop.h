@@ -14,13 +14,13 @@ namespace lobe {
 
 struct LoopOptions {
   ServoOptions servo = {};
-  int priority = 50;        // of SCHED_FIFO, where it is allowed; 0: an ordinary thread
-  bool lock_memory = true;  // of the process, where it is allowed
+  int priority = 50;        // priority of SCHED_FIFO, where it is allowed; 0: an ordinary thread
+  bool lock_memory = true;  // locks the memory of the process, where it is allowed
 };
 
 struct LoopTimes {
-  Histogram lateness, compute;           // of a tick [µs]
-  std::atomic<std::uint64_t> missed{0};  // ticks that began later than the next one was due: left out
+  Histogram lateness, compute;           // times of a tick [µs]
+  std::atomic<std::uint64_t> missed{0};  // ticks left out: they would have begun after the next was due
 };
 
 class HapticLoop {
@@ -32,7 +32,7 @@ class HapticLoop {
   HapticLoop& operator=(const HapticLoop&) = delete;
 
   void start();
-  void stop();  // the last force is none
+  void stop();  // sets the force to none at the end
 
   bool is_real_time() const { return is_real_time_; }
   // Says what the system did not allow, and the consequence. Call it after start().

@@ -29,7 +29,7 @@ class Passivity {
   // The energy that springs can have stored at most [J]. Any more that went in was dissipated and cannot come
   // back.
   void forget_above(double stored);
-  // Begins again, with springs that have stored this [J].
+  // Begins again with springs that have stored this energy [J].
   void restart(double stored) { energy_ = stored; }
   // Energy that has come out is forgotten with a time constant of 0.5 s, so that a hand at rest is not
   // damped for ever.
@@ -38,7 +38,7 @@ class Passivity {
   // surplus.
   double damping(const Vec3d& velocity, double dt) const;
 
-  double energy() const { return energy_; }  // that went in and has not come out [J]
+  double energy() const { return energy_; }  // energy that went in and has not come out [J]
 
  private:
   double device_damping_, highest_damping_, deadband_;

@@ -15,7 +15,7 @@
 
 namespace lobe {
 
-// Position of the tool = origin + rotation · scale · that of the device; forces go back by the same rotation,
+// A tool is at origin + rotation · scale · (position of the device); forces go back by the same rotation,
 // times `force_gain`. A turn of the device about an axis turns the tool by as much about rotation · axis.
 struct Workspace {
   Vec3d origin = Vec3d::Zero();  // [m]
@@ -24,7 +24,7 @@ struct Workspace {
 };
 
 struct ServoOptions {
-  double tick = 1e-3;              // between two ticks [s]
+  double tick = 1e-3;              // time between two ticks [s]
   double bound_share = 0.8;        // stiffness of the coupling over Colgate's bound 2 (b − |B|)/T [-]
   double coupling_damping = 0.25;  // B, as a share of the device's damping b, 0 … 0.25 [-]
   // After a new model, the force changes over to it in |difference|/blend_rate, measured at the hand [N/s],
@@ -34,24 +34,24 @@ struct ServoOptions {
   double stale_frames = 3;     // age at which a model begins to fade [frames]
   double fade = 0.05;          // time in which the force then fades to nothing [s]
   double settling_frames = 6;  // time constant of the tool's way from the device to where it is in balance
-  double highest_damping = 5;  // of the passivity controller [N s/m]; 0: it only observes
+  double highest_damping = 5;  // most damping of the passivity controller [N s/m]; 0: it only observes
   double passivity_deadband = 5e-6;  // energy that may come out before the controller acts [J]
-  double most_active = 5e-5;         // beyond which the force is lowered, since damping is not enough [J]
+  double most_active = 5e-5;         // energy beyond which the force is lowered: damping does too little [J]
   Workspace workspace = {};
 };
 
 // The state of a loop, for other threads.
 struct HapticState {
   std::uint64_t ticks = 0;
-  DeviceState device;                       // as read last
-  bool is_there = false;                    // the device
+  DeviceState device;                       // state read last
+  bool is_there = false;                    // whether the device is there
   std::uint32_t engagement = 0;             // LocalModel::engagement of the tool that is led; 0: none is led
-  Vec3d tool = Vec3d::Zero();               // where the tool is to be [m]
-  Eigen::Vector4d orientation{0, 0, 0, 1};  // of the tool: a unit quaternion x, y, z, w
-  Vec3d force = Vec3d::Zero();              // on the hand, as sent to the device [N]
+  Vec3d tool = Vec3d::Zero();               // place at which the tool is to be [m]
+  Eigen::Vector4d orientation{0, 0, 0, 1};  // orientation of the tool: a unit quaternion x, y, z, w
+  Vec3d force = Vec3d::Zero();              // force on the hand, as sent to the device [N]
   Vec3d torque = Vec3d::Zero();             // [N m]
   double coupling = 0;                      // [N/m]
-  double energy = 0;                        // of the passivity observer [J]
+  double energy = 0;                        // energy of the passivity observer [J]
   std::uint64_t interventions =
       0;                        // ticks in which the passivity controller added damping or lowered the force
   std::uint64_t stale = 0;      // ticks on a model that was too old
@@ -66,8 +66,8 @@ class Servo {
   // Throws InputError for invalid options or limits.
   Servo(const DeviceLimits& limits, const ServoOptions& options);
 
-  // `device`: null if it is not there. `model`: the latest one; the same as before, or a new one, by its
-  // time. `dt`: since the last tick [s].
+  // `device`: null if it is not there. `model`: the latest one; by its time it is the same as before or new.
+  // `dt`: time since the last tick [s].
   const HapticState& tick(const DeviceState* device, const LocalModel& model, double dt);
   const HapticState& state() const { return state_; }
 
@@ -87,23 +87,23 @@ class Servo {
 
   DeviceLimits limits_;
   ServoOptions options_;
-  double damping_;   // of the coupling [N s/m]
-  double coupling_;  // in the units of the tool [N/m]
+  double damping_;   // damping of the coupling [N s/m]
+  double coupling_;  // stiffness in the units of the tool [N/m]
   LocalModel model_;
-  Vec3d clutch_ = Vec3d::Zero();  // added to where the device is, so that tools are taken up where they are
+  Vec3d clutch_ = Vec3d::Zero();  // vector added to the device's place, to take up tools where they are
   Eigen::Quaterniond device_turn_, tool_turn_;  // orientations when the tool was taken up
-  Vec3d offset_ = Vec3d::Zero();    // between the force before the last model came and its own [N]
-  Vec3d blended_ = Vec3d::Zero();   // what is left of it [N]
-  double blend_ = 0;                // how long it lasts [s]
-  Vec3d proxy_ = Vec3d::Zero();     // where the tool would be in balance [m]
-  Vec3d settled_ = Vec3d::Zero();   // of the way from the device to there, what the tool has gone [m]
-  Vec3d unloaded_ = Vec3d::Zero();  // where the tool was in balance when it felt nothing last [m]
+  Vec3d offset_ = Vec3d::Zero();    // force before the last model came, less that of the model [N]
+  Vec3d blended_ = Vec3d::Zero();   // the part of offset_ that is left [N]
+  double blend_ = 0;                // time that the blending takes [s]
+  Vec3d proxy_ = Vec3d::Zero();     // place where the tool would be in balance [m]
+  Vec3d settled_ = Vec3d::Zero();   // way that the tool has gone from the device to there [m]
+  Vec3d unloaded_ = Vec3d::Zero();  // place where the tool was in balance when it last felt nothing [m]
   double since_model_ = 0;          // [s]
-  double trust_ = 0;                // 1: the pose and the model are fresh; fades
-  double share_ = 1;                // of the force that the hand feels: below 1 where damping is not enough
-  bool is_fresh_ = false;           // the pose
-  bool awaits_pose_ = false;        // there was none when the tool was taken up
-  bool was_gone_ = false;           // the force, because the model was too old
+  double trust_ = 0;                // trust in pose and model: 1 while they are fresh, then fading
+  double share_ = 1;                // share of the force that the hand feels; below 1 if damping fails
+  bool is_fresh_ = false;           // whether the pose is fresh
+  bool awaits_pose_ = false;        // whether there was no pose when the tool was taken up
+  bool was_gone_ = false;           // whether the force was gone, because the model was too old
   Passivity passivity_;
   HapticState state_;
 };

@@ -18,7 +18,7 @@ struct SurfaceGroup {
   std::vector<std::array<Index, 3>> triangles;
 };
 
-struct BodyLabelName {  // that a file has for a label, in a mesh joined of several files
+struct BodyLabelName {  // a file's name of a label, in a mesh joined of several files
   std::string body;
   int label = 0;
   std::string name;
@@ -38,11 +38,11 @@ struct MeshFile {
   std::vector<std::string> notes;  // one line each: what was taken for labels, what was left out
   Index ignored_cells = 0;
   std::vector<SurfaceGroup> surfaces;             // physical surfaces (Gmsh), references of triangles (MEDIT)
-  std::map<int, std::string> label_names{};       // of physical volumes (Gmsh)
-  std::vector<BodyLabelName> body_label_names{};  // in their place, in a mesh of several files
+  std::map<int, std::string> label_names{};       // names of physical volumes (Gmsh)
+  std::vector<BodyLabelName> body_label_names{};  // the same names by body, in a mesh of several files
   std::map<std::string, Eigen::MatrixXd> point_data;  // #components × #vertices (VTU only)
-  std::map<std::string, Eigen::MatrixXd> cell_data;   // #components × #tetrahedra (VTU only), but "label"
-  std::vector<std::string> warnings() const;          // the notes, and what prepare() noticed
+  std::map<std::string, Eigen::MatrixXd> cell_data;  // #components × #tetrahedra (VTU only), without "label"
+  std::vector<std::string> warnings() const;         // warnings: the notes, and what prepare() noticed
 };
 MeshFile read_mesh(const std::filesystem::path& file);
 
@@ -63,7 +63,7 @@ void write_vtu(const std::filesystem::path& file, const TetMesh& mesh,
 // all but the first as text, exact. Throws InputError for another extension, and for negative labels in
 // Gmsh's formats.
 void write_mesh(const std::filesystem::path& file, const TetMesh& mesh);
-bool can_write_mesh(const std::filesystem::path& file);  // whether the extension is one of these
+bool can_write_mesh(const std::filesystem::path& file);  // whether write_mesh() has the extension
 
 // Writes a ParaView collection, such as DIR/series.pvd, of frames in the same folder.
 void write_pvd(const std::filesystem::path& file, const std::vector<std::pair<double, std::string>>& frames);

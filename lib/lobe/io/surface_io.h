@@ -23,9 +23,9 @@ void write_surface(const std::filesystem::path& file,
 // Points and polygons as they stand in a file; corners are from 0 and not checked against the points.
 struct Polygons {
   std::vector<Vec3d> points;                       // [m]
-  std::vector<std::vector<std::int64_t>> corners;  // of each polygon
+  std::vector<std::vector<std::int64_t>> corners;  // corners of each polygon
 };
-Polygons read_vtp(const std::filesystem::path& file);  // strips as triangles, without lines and vertices
+Polygons read_vtp(const std::filesystem::path& file);  // strips become triangles, lines and vertices go
 // The polygons and strips of a legacy VTK file (.vtk: POLYDATA or UNSTRUCTURED_GRID, 2.0 … 5.1, ascii and
 // binary) or an unstructured grid (.vtu). Throws InputError: what is neither, or has tetrahedra only.
 Polygons read_vtk_surface(const std::filesystem::path& file);
@@ -36,13 +36,13 @@ struct TexturedSurface {
   Mat3X<double> points;                              // 3 × #points [m]
   Eigen::Matrix<double, 2, Eigen::Dynamic> texture;  // 2 × #texture coordinates
   Mat3X<double> normals;                             // 3 × #normals
-  // 3 × #triangles: numbers of the above from 0; −1: that corner has none.
+  // 3 × #triangles: numbers of points, texture coordinates and normals from 0; −1: the corner has none.
   Triangles triangles, texture_of, normal_of;
 };
 
-// `v`, `vt`, `vn` and `f` of an OBJ file; polygons are cut into fans of triangles; groups, materials, lines
-// and curves are left out. Throws InputError, which names the line: what is no OBJ, numbers that are not
-// finite, indices out of range, no triangle.
+// Reads `v`, `vt`, `vn` and `f` of an OBJ file; polygons are cut into fans of triangles; groups, materials,
+// lines and curves are left out. Throws InputError, which names the line: what is no OBJ, numbers that are
+// not finite, indices out of range, no triangle.
 TexturedSurface read_obj(const std::filesystem::path& file);
 
 }  // namespace lobe

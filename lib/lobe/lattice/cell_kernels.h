@@ -26,12 +26,12 @@ struct alignas(64) CellBlock {
 template <class Real>
 struct CellArrays {
   const CellBlock<Real>* blocks;
-  const Law<Real>* laws;        // per block
-  const PaddedVector<Real>* q;  // per node [m]
+  const Law<Real>* laws;        // law of each block
+  const PaddedVector<Real>* q;  // displacements of nodes [m]
 };
 
 template <class Real>
-struct alignas(64) CellTangents {  // of a block
+struct alignas(64) CellTangents {  // tangents of a block
   using Row = typename CellBlock<Real>::Row;
   // Bounds of λ_max of each node's stiffness while the others are held, from the cell's mean strain [N/m].
   std::array<Row, 8> bounds;
@@ -44,10 +44,10 @@ struct CellKernels {
   // lane, as PaddedVectors::store() [N].
   void (*find_forces)(const CellArrays<Real>& cells, PaddedVector<Real>* forces, Index begin, Index end);
   void (*find_tangents)(const CellArrays<Real>& cells, CellTangents<Real>* tangents, Index begin, Index end);
-  int lanes;  // of a register
+  int lanes;  // lanes of a register
 };
 
 template <class Real>
-CellKernels<Real> cell_kernels(InstructionSet set);  // of an available set
+CellKernels<Real> cell_kernels(InstructionSet set);  // `set`: an available one
 
 }  // namespace lobe

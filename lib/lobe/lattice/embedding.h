@@ -9,13 +9,13 @@ namespace lobe {
 
 using CellMatrix = Eigen::Matrix<double, 8, 8>;
 
-// A part of the lattice with the samples of it whose tetrahedra are not full. With the displacements q_n of
+// A part of the lattice, with those of its samples whose tetrahedra are not full. With displacements q_n of
 // its nodes
 //   F = I + Σ_n q_n ⊗ N_n,   W = V W_law(F) + ½ Σ_nm S_nm q_n·q_m.
 // S is the energy of the fluctuation ½ α |F_g − F|² over the eight Gauss points g of the cell, each with an
 // eighth of V. It does not resist a rotation.
 struct LatticeCell {
-  Index part = 0, tet = 0;                          // tet: of its first sample
+  Index part = 0, tet = 0;                          // tet: that of its first sample
   double volume = 0;                                // V [m³]
   CellGradients gradients = CellGradients::Zero();  // N_n [1/m]
   CellMatrix fluctuation = CellMatrix::Zero();      // S_nm [N/m]
@@ -23,7 +23,7 @@ struct LatticeCell {
 
 // What vertices do: they follow nodes, never leave their rest positions, or move by themselves.
 struct VertexRoles {
-  std::vector<std::uint8_t> is_embedded, is_still;  // per vertex; is_still: empty if none is
+  std::vector<std::uint8_t> is_embedded, is_still;  // flags of vertices; is_still: empty if none is
   bool embeds(Index v) const { return has(is_embedded, v); }
   bool stays(Index v) const { return has(is_still, v); }
   bool operator==(const VertexRoles&) const = default;
@@ -34,19 +34,19 @@ struct VertexRoles {
   }
 };
 
-// A full tetrahedron whose corners all stay where they are has no force on anything, and is left out.
+// A full tetrahedron whose corners all stay where they are is left out: it has no force on anything.
 struct Embedding {
   VertexRoles roles;
   std::vector<Index> vertices;     // embedded ones
-  std::vector<Index> interface;    // those of them that are corners of full tetrahedra
+  std::vector<Index> interface;    // embedded vertices at full tetrahedra
   std::vector<Index> full;         // reduced tetrahedra
-  std::vector<LatticeCell> cells;  // by material
-  std::vector<double> mass;        // per node [kg]; 0: nothing follows it
+  std::vector<LatticeCell> cells;  // cells, by material
+  std::vector<double> mass;        // mass of each node [kg]; 0: nothing follows it
 
   bool embeds(Index v) const { return roles.embeds(v); }
 };
 
-// What samples of a part add up to: V and Σ V ∇w.
+// The sums V and Σ V ∇w over the samples of a part.
 struct CellSums {
   double volume = 0;                                // [m³]
   CellGradients gradients = CellGradients::Zero();  // [m²]
@@ -54,7 +54,7 @@ struct CellSums {
 
 // What a lattice is while no vertex moves by itself.
 struct WholeLattice {
-  std::vector<CellSums> sums;     // per part
+  std::vector<CellSums> sums;     // sums of each part
   std::vector<double> stiffness;  // α of each material [Pa]
 };
 WholeLattice sum_cells(const Elements& elements, const Lattice& lattice);
@@ -70,19 +70,19 @@ void take_out(const Elements& elements, Index tet, Lattice& lattice, WholeLattic
 std::vector<double> fluctuation_stiffness(const Elements& elements, const Lattice& lattice,
                                           const std::vector<CellSums>& sums);
 
-// `whole`: sum_cells(). Costs a pass over the tetrahedra, and half a microsecond for each that is full in a
-// part that is not.
+// Returns what follows from `roles`. `whole`: sum_cells(). Costs a pass over the tetrahedra, and half a
+// microsecond for each that is full in a part that is not.
 Embedding embed(const Elements& elements, const Lattice& lattice, const WholeLattice& whole,
                 VertexRoles roles);
 
-// Row sums of the mass of the embedded vertices, per vertex [kg]. Nodes then have no frequency above `omega`
-// [rad/s] at rest: where they would, mass is added. `stiffness`: λ_max(K_vv) per vertex, times whatever a
-// highest frequency, squared, is above that of a vertex [N/m]. Without it, vertices are taken to have no
+// Gives nodes the row sums of the mass of embedded vertices, `mass` per vertex [kg]. Adds mass where a node
+// would have a frequency above `omega` [rad/s] at rest. `stiffness`: λ_max(K_vv) per vertex, times the square
+// of the highest frequency over that of a single vertex [N/m]. Without it, vertices are taken to have no
 // frequency above omega. Returns how much was added [kg].
 double give_mass(const Elements& elements, const Lattice& lattice, const std::vector<double>& mass,
                  double omega, const std::vector<double>& stiffness, Embedding& embedding);
 
-// Adds to a bound of the stiffness of each node, Σ_m |K_nm| [N/m], what a cell adds. `tangents`: per corner,
+// Adds a cell's part to a bound of the stiffness of each node, Σ_m |K_nm| [N/m]. `tangents`: per corner,
 // its V times the largest eigenvalue of the law's ∂²W/∂q_n² [N/m].
 void add_bounds(const LatticeCell& cell, const Lattice::Part& part, const CellWeights& tangents,
                 std::vector<double>& bounds);

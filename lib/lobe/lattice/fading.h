@@ -18,12 +18,12 @@ template <class Real>
 class Fading {
  public:
   static constexpr double duration = 0.1;  // T [s]
-  static constexpr double least = 1e-5;    // what is below this is left out, of a cell
+  static constexpr double least = 1e-5;    // shift below which a vertex is left out, as a share of a cell
 
   struct State {                                   // part of a checkpoint
     double since = 0;                              // t₀ [s]
     std::vector<Index> vertices;                   // sorted
-    Mat3X<Real> shifts = Mat3X<Real>::Zero(3, 0);  // d_i of each [m]
+    Mat3X<Real> shifts = Mat3X<Real>::Zero(3, 0);  // shift d_i of each [m]
     bool is_valid() const {
       return std::isfinite(since) && shifts.allFinite() &&
              shifts.cols() == static_cast<Eigen::Index>(vertices.size());
@@ -38,13 +38,13 @@ class Fading {
   // is crushed so that it would be moved by more than a cell has nothing left.
   void begin(const Elements& elements, const Lattice& lattice, const Embedding& embedding,
              const StateColumns<Real>& state);
-  void forget_if_over(double time) {  // and gives back the memory
+  void forget_if_over(double time) {  // gives back the memory, too
     if (any() && share(time) == 0) *this = Fading();
   }
   bool any() const { return !slides_.empty(); }
 
-  // Adds what is left to displacements that the nodes make, and to velocities if asked for: of all vertices,
-  // or of the corners of full tetrahedra.
+  // Adds what is left to displacements that the nodes make, and to velocities if asked for. The first: of all
+  // vertices; the second: of the corners of full tetrahedra.
   void add(bool velocities, StateColumns<Real>& state) const;
   void add_at_full(bool velocities, Motion<Real>& motion, Parallel& parallel) const;
   // Adds to the forces on the nodes what follows from those on the corners of full tetrahedra.
@@ -65,7 +65,7 @@ class Fading {
     std::array<Real, 8> slopes{};  // ∇w_n·d
     Vec3<Real> shift;              // d [m]
 
-    // From differences to the first node, as the slopes add up to zero.
+    // Uses differences to the first node, as the slopes add up to zero.
     Vec3<Real> image(const Mat3X<Real>& q, Vec3<Real> sum) const {
       const Vec3<Real> first = q.col(nodes[0]);
       for (std::size_t n = 1; n < 8; ++n) sum += slopes[n] * (q.col(nodes[n]) - first);
@@ -84,9 +84,9 @@ class Fading {
   void list_at_full(const Embedding& embedding);
 
   double since_ = 0;
-  std::vector<Slide> slides_;   // by vertices
-  std::vector<Index> at_full_;  // of these, the corners of full tetrahedra
-  std::vector<Pull> pulls_;     // of those
+  std::vector<Slide> slides_;   // slides, by vertex
+  std::vector<Index> at_full_;  // places in slides_ of the corners of full tetrahedra
+  std::vector<Pull> pulls_;     // their forces on nodes
 };
 
 extern template class Fading<float>;

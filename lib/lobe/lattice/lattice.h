@@ -14,7 +14,7 @@
 namespace lobe {
 
 struct LatticeFrame {
-  double edge = 0;               // of a cell [m]; 0: there is no lattice yet
+  double edge = 0;               // edge of a cell [m]; 0: there is no lattice yet
   Vec3d origin = Vec3d::Zero();  // a corner of a cell [m]
 };
 
@@ -28,7 +28,7 @@ CellWeights cell_weights(const Vec3d& at);
 CellGradients cell_gradients(const Vec3d& at, double edge);
 
 inline constexpr int tet_samples = 8;
-// 4 × 8: barycentric coordinates of the samples, each of an eighth of the tetrahedron's volume.
+// 4 × 8: barycentric coordinates of the samples. Each has an eighth of the tetrahedron's volume.
 const Eigen::Matrix<double, 4, tet_samples>& sample_weights();
 
 struct Lattice {
@@ -36,13 +36,13 @@ struct Lattice {
     Eigen::Vector3i cell = Eigen::Vector3i::Zero();
     std::uint16_t material = 0;
     std::array<Index, 8> nodes{};
-    bool has_cut_end = false;  // both sides of a cut follow one of its nodes, on which it could not open
+    bool has_cut_end = false;  // whether both sides of a cut follow one of its nodes
   };
 
   LatticeFrame frame;
   std::vector<Part> parts;
   std::vector<Index> part_of_sample;  // tet_samples × tetrahedron + sample; −1 outside of reduced regions
-  std::vector<Index> part_of_vertex;  // which moves it while it is embedded; −1 outside of reduced regions
+  std::vector<Index> part_of_vertex;  // part that moves it while embedded; −1 outside of reduced regions
   Mat3X<double> nodes;                // 3 × #nodes, rest positions [m]
   std::vector<Eigen::Vector3i> corner_of_node;
 
@@ -55,7 +55,7 @@ struct Lattice {
   }
 };
 
-// The lattice of a body, around the middle of its reduced regions. edge 0: a twentieth of their diagonal, but
+// Chooses the lattice around the middle of a body's reduced regions. edge 0: a twentieth of the diagonal, but
 // at least 1.5 mean edges of their tetrahedra. Throws InputError for a cell that is not larger than the
 // tetrahedra, or larger than half of the regions.
 LatticeFrame choose_lattice(const Elements& elements, double edge);

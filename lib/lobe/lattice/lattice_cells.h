@@ -15,13 +15,13 @@ class LatticeCells {
 
   void build(const Elements& elements, const Lattice& lattice, const std::vector<LatticeCell>& cells);
 
-  void find_forces(const Mat3X<Real>& q, Parallel& parallel);  // of displacements, 3 × #nodes [m]
-  Vec3<Real> force(Index node) const;                          // of the last ones [N]
+  void find_forces(const Mat3X<Real>& q, Parallel& parallel);  // q: 3 × #nodes [m]
+  Vec3<Real> force(Index node) const;                          // force found last [N]
 
   double energy(const Mat3X<Real>& q) const;  // [J]
   struct Smallest {
     double volume_ratio = 1;  // det F
-    Index tet = -1;           // one of the cell
+    Index tet = -1;           // a tetrahedron of the cell
   };
   Smallest add_bounds(const Mat3X<Real>& q, std::vector<double>& bounds);  // embedding.h
 
@@ -32,15 +32,15 @@ class LatticeCells {
     Law<double> law;
     std::size_t slot;  // block by block, lane by lane
   };
-  CellArrays<Real> at(const Mat3X<Real>& q);  // of displacements of the nodes, 3 × #nodes [m]
+  CellArrays<Real> at(const Mat3X<Real>& q);  // q: 3 × #nodes [m]
   Mat3<double> gradient(const Cell& data, const Mat3X<Real>& q) const;
   Index place(std::size_t slot, int corner) const;
 
   CellKernels<Real> kernels_;
   std::vector<Cell> cells_;
   std::vector<CellBlock<Real>> blocks_;
-  std::vector<Law<Real>> laws_;               // per block
-  std::vector<Index> places_begin_, places_;  // per node: of its forces
+  std::vector<Law<Real>> laws_;               // law of each block
+  std::vector<Index> places_begin_, places_;  // places of each node's forces
   std::vector<PaddedVector<Real>> q_, forces_;
 };
 

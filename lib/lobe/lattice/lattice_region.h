@@ -1,4 +1,4 @@
-// The reduced regions of a body: non-linear tetrahedra whose vertices mostly follow the nodes of a lattice
+// The reduced regions of a body: non-linear tetrahedra most of whose vertices follow the nodes of a lattice
 // (embedding.h), so that a step evaluates cells in place of tetrahedra. Vertices move by themselves where
 // they are held, shared with another region, next to such, where a cut ends, or in a zone that is full for a
 // while (zones.h).
@@ -40,8 +40,8 @@ class LatticeRegion {
   const Lattice& lattice() const { return lattice_; }
   const Embedding& embedding() const { return embedding_; }
   Index full_tet_count() const { return any_embedded() ? full_.tet_count() : tet_count_; }
-  PatchCount past_patches() const { return past_patches_; }  // of regions that embed() has replaced
-  // To nodes and to vertices of full tetrahedra, so that they need no shorter steps [kg].
+  PatchCount past_patches() const { return past_patches_; }  // patches of regions that embed() has replaced
+  // Mass added to nodes and to vertices of full tetrahedra, so that they need no shorter steps [kg].
   double mass_added() const { return mass_added_ + zone_mass_.sum(); }
 
   // ---- Edits
@@ -49,10 +49,10 @@ class LatticeRegion {
   // Takes note of tetrahedra that left or entered; embed() must follow before anything is evaluated. Throws
   // InputError for cells that do not suit the tetrahedra (choose_lattice).
   void follow(const Elements& elements, const RegionEdit& edit);
-  // What becomes full now. Displacements and speeds of `sight` are found here. `mass`: per vertex [kg].
+  // Finds what becomes full now, and displacements and speeds of `sight`. `mass`: per vertex [kg].
   void look(const Elements& elements, const Motion<Real>& motion, const std::vector<double>& mass,
             FullZones::Sight sight);
-  // These vertices are full for that long [s], from the next look() on, and longer where the tissue is not
+  // Keeps these vertices full for that long [s], from the next look() on, and longer where the tissue is not
   // smooth. Throws InputError for vertices that do not exist and for a duration that is not positive and
   // finite.
   void keep_full(const Elements& elements, const std::vector<Index>& vertices, double time, double duration);
@@ -61,7 +61,7 @@ class LatticeRegion {
   std::vector<Index> in_the_way(const Elements& elements, const std::vector<Index>& tets) const;
   // Call it when vertices are held or let go without an edit.
   void holds_have_changed() { inner_.clear(); }
-  // What vertices may do at a time: without `may_embed`, none is embedded.
+  // Returns what vertices may do at a time: without `may_embed`, none is embedded.
   VertexRoles roles(const Model& model, double time, bool may_embed);
   VertexRoles roles(const Model& model, std::vector<std::uint8_t> is_embedded) const;
   bool has_roles(const VertexRoles& wanted) const { return is_up_to_date() && wanted == embedding_.roles; }
@@ -72,35 +72,35 @@ class LatticeRegion {
   // embedded vertices. Momentum is conserved. What the nodes cannot make of the displacements fades from
   // then on (fading.h). `omega`: the highest frequency of the full body at rest [rad/s].
   void embed(const Model& model, VertexRoles wanted, double omega,
-             std::vector<double>& mass,  // per vertex [kg]
+             std::vector<double>& mass,  // mass of each vertex [kg]
              Loads<Real>& loads, Motion<Real>& motion);
-  // Of a vertex that moves by itself, as it is now [kg].
+  // The least mass of a vertex that moves by itself, as it is now [kg].
   double least_mass(Index v) const {
     return any_embedded() ? std::max(zone_mass_.least(v, omega_), zone_mass_.asked(v)) : 0;
   }
-  // After masses were computed from tetrahedra: what is next to full tetrahedra has more (zone_mass.h).
+  // Call it once masses were computed from tetrahedra: what is next to full ones gets more (zone_mass.h).
   void raise_masses(const std::vector<Index>& vertices, std::vector<double>& mass) {
     if (any_embedded()) zone_mass_.raise(embedding_, omega_, vertices, mass);
   }
-  // While a lattice moves the rest: vertices that are strained so that steps would be shorter than at rest
+  // While a lattice moves the rest, vertices that are strained so that steps would be shorter than at rest
   // have more mass from the next raise_masses() on. Each keeps its momentum. square(vertex, least) is the
   // square of the frequency by which a vertex limits the step, or 0 below `least` or if it is held [1/s²].
   struct Slowed {
     std::vector<Index> vertices;
-    double kinetic = 0;  // by what this has changed their energy [J]
+    double kinetic = 0;  // change of their energy [J]
   };
   Slowed slow_strained(const std::vector<double>& mass, const std::function<double(Index, double)>& square,
                        Motion<Real>& motion);
-  // After World::set_state(): fits displacements and velocities of the nodes to those of the embedded
+  // Call it after World::set_state(): fits displacements and velocities of the nodes to those of the embedded
   // vertices, by least squares. The rest of the displacements fades.
   void settle_all(const Elements& elements, double omega, Motion<Real>& motion);
 
   struct State {       // part of a checkpoint
-    Mat3X<Real> u, v;  // of nodes, 3 × #nodes [m], [m/s]
+    Mat3X<Real> u, v;  // motion of nodes, 3 × #nodes [m], [m/s]
     std::vector<std::uint8_t> is_embedded;
     FullZones::State zones;
     typename Fading<Real>::State fading;
-    std::vector<double> asked_mass;  // per vertex: of strained tissue [kg], or empty
+    std::vector<double> asked_mass;  // mass of strained tissue, per vertex [kg], or empty
     bool is_valid() const {
       return u.allFinite() && v.allFinite() && u.cols() == v.cols() &&
              std::all_of(asked_mass.begin(), asked_mass.end(),
@@ -135,7 +135,7 @@ class LatticeRegion {
   }
   bool any_moving() const { return !moving_.empty(); }
   const std::vector<MovingVertex<Real>>& moving() const { return moving_; }  // nodes
-  // Embedded vertices on which a force term acted in the last step though no step computes where they are.
+  // Embedded vertices on which a force term acted in the last step, though no step computes where they are.
   // Such a force has no effect.
   std::vector<Index> pressed_unseen(const Motion<Real>& motion) const;
 
@@ -153,8 +153,8 @@ class LatticeRegion {
   // - Full vertex: the force that its added mass takes up, minus the force of displacements that fade.
   // Call recover() before. `motion` must have the forces at these displacements.
   Mat3X<double> residual(const Elements& elements, const Loads<Real>& loads,
-                         const std::vector<double>& own_mass,  // per vertex [kg]; those behind are left out
-                         const std::vector<double>& mass,      // with which they move now [kg]
+                         const std::vector<double>& own_mass,  // per vertex [kg]; further ones are left out
+                         const std::vector<double>& mass,      // masses with which they move now [kg]
                          const Motion<Real>& motion, Parallel& parallel);
   // What embed() has taken from the lattice's displacements since the last call: 3 × #vertices [m], turned
   // back like residual(). From the first call on it takes note of that. Empty: nothing.
@@ -181,10 +181,10 @@ class LatticeRegion {
   }
   struct Frequency {
     double omega = 0;             // a bound of the nodes' frequencies [rad/s]
-    std::vector<double> squares;  // of each of moving() [1/s²]
+    std::vector<double> squares;  // square for each of moving() [1/s²]
     typename LatticeCells<Real>::Smallest smallest = {};
   };
-  // K: of all tetrahedra around the vertices [N/m]. `ratio`: of the highest frequency to that which the
+  // K: of all tetrahedra around the vertices [N/m]. `ratio`: the highest frequency over the one that the
   // stiffness of single vertices gives.
   Frequency highest_frequency(const StateColumns<Real>& state, const DiagonalStiffness& K, double ratio);
 
@@ -200,7 +200,7 @@ class LatticeRegion {
     std::array<Index, 8> nodes{};
     std::array<Real, 8> weights{};
   };
-  struct Share {  // of a node in such a vertex
+  struct Share {  // the share of a node in such a vertex
     Index vertex = 0;
     Real weight = 0;
   };
@@ -228,36 +228,36 @@ class LatticeRegion {
   void take_loads(const Elements& elements, std::vector<double>& mass, Loads<Real>& loads);
 
   double cell_;
-  std::vector<Membership> member_;  // per tetrahedron
+  std::vector<Membership> member_;  // one per tetrahedron
   Index tet_count_ = 0;
   std::vector<Index> vertices_;
-  bool is_outdated_ = false;  // the lattice
-  bool misses_tets_ = false;  // that have left since it was embedded
-  bool notes_lost_ = false;   // displacements
+  bool is_outdated_ = false;  // whether the lattice is
+  bool misses_tets_ = false;  // whether tetrahedra have left since it was embedded
+  bool notes_lost_ = false;   // whether lost displacements are noted
   Mat3X<Real> lost_;
   FullZones zones_;
-  // Per vertex: no other region has it, nor is it next to one that boundary conditions hold, nor does a cut
-  // end there; empty: not known.
+  // Flags of vertices: no other region has it, nor is it next to one that boundary conditions hold, nor does
+  // a cut end there; empty: not known.
   Flags inner_;
   Lattice lattice_;
   WholeLattice whole_;
-  std::vector<LatticeCell> whole_cells_;  // of it
+  std::vector<LatticeCell> whole_cells_;  // cells of whole_
   Embedding embedding_;
   double omega_ = 0;       // the highest frequency of the full body at rest [rad/s]
-  double mass_added_ = 0;  // to nodes [kg]
+  double mass_added_ = 0;  // mass added to nodes [kg]
   ZoneMass zone_mass_;
   Fading<Real> fading_;
   PatchCount past_patches_;
 
   // What a step reads.
-  NonlinearRegion<Real> all_;   // its tetrahedra, for while no vertex is embedded
-  NonlinearRegion<Real> full_;  // the full ones otherwise
+  NonlinearRegion<Real> all_;   // its tetrahedra, used while no vertex is embedded
+  NonlinearRegion<Real> full_;  // its full tetrahedra, used otherwise
   LatticeCells<Real> cells_;
   std::vector<Place> places_;
-  std::vector<Index> shares_begin_;  // per node
+  std::vector<Index> shares_begin_;  // begin of each node in shares_
   std::vector<Share> shares_;
   std::vector<MovingVertex<Real>> moving_;  // nodes
-  Mat3X<Real> external_, dead_;             // per node [N]
+  Mat3X<Real> external_, dead_;             // forces per node [N]
 };
 
 extern template class LatticeRegion<float>;

@@ -11,11 +11,11 @@ namespace lobe {
 // full body [rad/s].
 void settle(const Elements& elements, const Lattice& lattice, const Embedding& embedding,
             const std::vector<LatticeCell>& whole,     // cells of the whole lattice
-            const std::vector<double>& mass,           // per vertex [kg]
+            const std::vector<double>& mass,           // mass of each vertex [kg]
             double omega,                              // [rad/s]
-            const std::vector<std::uint8_t>& touched,  // per node
+            const std::vector<std::uint8_t>& touched,  // flag of each node
             const Mat3X<double>& u,                    // 3 × #vertices
-            double tolerance,                          // of the squared residual, relative
+            double tolerance,                          // bound of the squared residual, relative
             Mat3X<double>& q);                         // 3 × #nodes
 
 // Masses in motion, and their momentum.

@@ -29,7 +29,7 @@ class TakeOver {
 
   // Gives nodes the displacements and velocities that come nearest to those of the vertices, where these were
   // not embedded before.
-  void settle_nodes(const std::vector<double>& mass,  // per vertex [kg]
+  void settle_nodes(const std::vector<double>& mass,  // mass of each vertex [kg]
                     double omega,                     // the highest frequency of the full body [rad/s]
                     Motion<Real>& motion) const;
   // Adds a rigid motion to the velocities of what has changed, so that the momentum is that of `before`. Both

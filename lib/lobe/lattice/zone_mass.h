@@ -1,6 +1,6 @@
 // Mass that vertices of full tetrahedra get while a lattice moves the rest of a body, so that its steps are
-// as long as those of the full body, whose highest frequency is ω*. With K_vv at rest and R, by how much ω*
-// is above the estimate that single vertices give,
+// as long as those of the full body, whose highest frequency is ω*. With K_vv at rest and R, the ratio of ω*
+// to the estimate that single vertices give,
 //
 //   m_v ≥ R² λ_max(K_vv)/ω*².
 //
@@ -20,11 +20,11 @@ namespace lobe {
 class ZoneMass {
  public:
   static constexpr double ratio = 1.15;  // R
-  // Of strained tissue: a vertex with a frequency, squared, that is so many times ω*² gets mass, and has ω*²
+  // Strained tissue: a vertex with a frequency, squared, that is so many times ω*² gets mass, and has ω*²
   // over `spare` then, so that it seldom gets more.
   static constexpr double strained = 1.02, spare = 1.3;
 
-  // After an edit: vertices of these tetrahedra and no others may get mass. `owns(tet)`.
+  // Call it after an edit: vertices of these tetrahedra and no others may get mass. `owns(tet)`.
   template <class Owns>
   void follow(const Elements& elements, const std::vector<Index>& vertices, Owns&& owns) {
     const auto count = std::size_t(elements.topology.vertex_count());
@@ -42,7 +42,7 @@ class ZoneMass {
   double least(Index v, double omega) const {  // [kg]
     return omega > 0 ? ratio * ratio / (omega * omega) * stiffness_[std::size_t(v)] : 0;
   }
-  // At least this mass from the next raise() on, until the vertex is embedded or nothing is [kg].
+  // Asks for at least this mass from the next raise() on, until the vertex is embedded or nothing is [kg].
   void ask(Index v, double mass) {
     if (asked_.size() < stiffness_.size()) asked_.resize(stiffness_.size(), 0);
     asked_[std::size_t(v)] = mass;
@@ -53,7 +53,7 @@ class ZoneMass {
   // Raises masses of those of the vertices that are not embedded [kg].
   void raise(const Embedding& embedding, double omega, const std::vector<Index>& vertices,
              std::vector<double>& mass);
-  // The mass that was added, in motion. `counts(vertex)`.
+  // Adds the mass that was added, in motion. `counts(vertex)`.
   template <class Real, class Counts>
   void add_to(MovingMasses& sum, const Elements& elements, const Motion<Real>& motion,
               Counts&& counts) const {
@@ -78,7 +78,7 @@ class ZoneMass {
   }
   static double stiffness_of(const Elements& elements, Index v);
 
-  std::vector<double> stiffness_, added_, asked_;  // per vertex
+  std::vector<double> stiffness_, added_, asked_;  // one of each per vertex
 };
 
 }  // namespace lobe

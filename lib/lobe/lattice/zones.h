@@ -16,12 +16,12 @@ namespace lobe {
 
 class FullZones {
  public:
-  static constexpr double linger = 0.25;  // vertices stay full after they were touched [s]
-  static constexpr double burst = 0.05;   // all are full after something has let go, or taken hold [s]
+  static constexpr double linger = 0.25;  // time for which vertices stay full after they were touched [s]
+  static constexpr double burst = 0.05;   // time for which all are full after a tool let go or took hold [s]
   // The body is calm while its displacement, √Σ m |u|², is below this share of the largest so far [-]. A
   // tool that takes hold of a calm body moves it by little at first: only its zone becomes full then.
   static constexpr double calm = 0.1;
-  static constexpr double quick = 0.03;  // all stay full after the body has moved quickly [s]
+  static constexpr double quick = 0.03;  // time for which all stay full after the body has moved quickly [s]
   // Radius of the zone around a held or loaded vertex, and around a pressed one [edges of a cell]. The
   // neighbours of the vertex always belong to the zone.
   static constexpr double reach = 0.4, reach_of_press = 1.2;
@@ -35,11 +35,11 @@ class FullZones {
   static constexpr double longest = 0.04;  // τ where nothing damps [s]
 
   struct State {                       // part of a checkpoint
-    std::vector<Index> held, touched;  // sorted; touched: held, loaded or pressed
-    std::vector<double> until;         // per vertex: when it was last to be full [s]; empty: none ever was
-    std::vector<double> asked_until;   // the same, by ask()
-    double all_until = lowest;         // all vertices [s]
-    double largest = 0;                // √Σ m |u|² so far [√kg m]
+    std::vector<Index> held, touched;  // vertices, sorted; touched: held, loaded or pressed
+    std::vector<double> until;         // time up to which a vertex was to be full [s]; empty: none ever was
+    std::vector<double> asked_until;   // the same time, by ask()
+    double all_until = lowest;         // time up to which all vertices were [s]
+    double largest = 0;                // largest √Σ m |u|² so far [√kg m]
     bool is_valid() const {
       for (const std::vector<double>* values : {&until, &asked_until})
         for (double t : *values)
@@ -50,20 +50,20 @@ class FullZones {
                                               &State::asked_until, &State::all_until, &State::largest);
   };
 
-  struct Sight {                 // of a moment
+  struct Sight {                 // what is seen at a moment
     std::vector<Index> held;     // vertices that tools hold, sorted
-    std::vector<Index> loaded;   // on which forces and springs act, sorted
-    std::vector<Index> pressed;  // on which contact may act, sorted
+    std::vector<Index> loaded;   // vertices on which forces and springs act, sorted
+    std::vector<Index> pressed;  // vertices on which contact may act, sorted
     double displacement = 0;     // √Σ m |u|² [√kg m]
     double speed = 0;            // √Σ m |v|² [√kg m/s]
     double damping = 0;          // γ [1/s]
   };
   // `cell`: the edge of the lattice's cells [m].
   void look(const Elements& elements, double cell, double time, const Sight& sight);
-  // What is asked to be full is so until then, rounded up to a multiple of `every` [s], or until all were
-  // full: what comes after that is another motion.
+  // Asks for vertices to be full until a time, rounded up to a multiple of `every` [s]; or until all were,
+  // since what comes after that is another motion.
   void ask(const std::vector<Index>& vertices, Index vertex_count, double until);
-  std::vector<Index> take_due(double time);  // of what was asked: it need not be full any more
+  std::vector<Index> take_due(double time);  // asked ones that need not be full any more
   bool is_full(Index v, double time) const {
     const auto is_before = [&](const std::vector<double>& until) {
       return v < static_cast<Index>(until.size()) && time < until[std::size_t(v)] - just_before;
@@ -71,7 +71,7 @@ class FullZones {
     return time < state_.all_until - just_before || is_before(state_.until) || is_before(state_.asked_until);
   }
 
-  // After an edit of the mesh: neighbours may be others.
+  // Call it after an edit of the mesh: neighbours may be others.
   void forget_around() { around_is_known_ = false; }
 
   const State& state() const { return state_; }
@@ -87,9 +87,9 @@ class FullZones {
   void find_around(const Elements& elements, double cell);
 
   State state_;
-  std::vector<Index> pressed_;  // when these were found
-  std::vector<Index> beside_;   // what is touched, and its neighbours
-  std::vector<Index> around_;   // within reach of what is touched
+  std::vector<Index> pressed_;  // pressed vertices when around_ was found
+  std::vector<Index> beside_;   // touched vertices and their neighbours
+  std::vector<Index> around_;   // vertices within reach of touched ones
   bool around_is_known_ = false;
 };
 

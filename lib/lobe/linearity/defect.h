@@ -15,7 +15,7 @@ namespace lobe {
 // no stretch is taken below 0.2. So a rotation of the linear state counts as rotation, not as strain.
 Mat3<double> nonlinear_gradient(const Mat3<double>& H);
 
-// Of the linear law of a material, at the displacement gradient H of the non-linear model.
+// The defect of the linear law of a material, at the displacement gradient H of the non-linear model.
 Mat3<double> stress_defect(const Law<double>& law, const Law<double>& linear, const Mat3<double>& H);  // [Pa]
 
 // ∫ D dV per zone, each with its nine entries in a column [Pa m³]: 9 × #zones.
@@ -31,7 +31,7 @@ Defects exact_defects(const Elements& elements, const Zones& zones, const Mat3X<
 class MeanDefects {
  public:
   MeanDefects(const Elements& elements, const Zones& zones);
-  void find(const Elements& elements, const Zones& zones, Index zone);  // again, after a cut
+  void find(const Elements& elements, const Zones& zones, Index zone);  // call it again after a cut
 
   Eigen::Matrix<double, 9, 1> gradient(Index zone, const Mat3X<double>& u) const;
   // The defect of a zone with this mean gradient. A linear zone is first given its non-linear state
@@ -46,9 +46,9 @@ class MeanDefects {
  private:
   struct Weight {
     Index vertex;
-    Vec3d gradient;  // of its shape function, averaged over the zone [1/m]
+    Vec3d gradient;  // gradient of its shape function, averaged over the zone [1/m]
   };
-  std::vector<std::vector<Weight>> weights_;  // per zone
+  std::vector<std::vector<Weight>> weights_;  // weights of each zone
   Law<double> law(const MeanMaterial& mean, const Mat3<double>& H) const;
 
   std::vector<MeanMaterial> mean_;

@@ -19,9 +19,9 @@ class ErrorEquation {
   // The grid of the same mesh after cuts, prepared for a step as long as the last. It may be made in another
   // thread.
   std::function<TwoGrid(const Elements& elements, double edge, const HeldVertices& held)> grid_maker() const;
-  // Takes it. Vertices that are new have the error of those that they are copies of.
+  // Takes a grid. Vertices that are new have the error of those that they are copies of.
   void use(TwoGrid grid, const Topology& topology);
-  void restart();  // with an error of 0
+  void restart();  // begins again with an error of 0
 
   // One step of h [s], to where r acts. What is held keeps its error.
   void step(const TwoGrid::Product& product, const HeldVertices& held, const Mat3X<double>& r, double h);
@@ -29,11 +29,11 @@ class ErrorEquation {
   void add(const Mat3X<double>& e);
   const Mat3X<double>& error() const { return e_; }  // [m]
   double norm() const;                               // √Σ m |e|² [√kg m]
-  Eigen::VectorXd power() const;                     // per vertex: e·r at the last step [J]
+  Eigen::VectorXd power() const;                     // e·r at the last step, per vertex [J]
   const TwoGrid& grid() const { return grid_; }
 
  private:
-  static constexpr double radius = 0;  // spectral: of what is faster than a step, residuals tell nothing
+  static constexpr double radius = 0;  // spectral radius: residuals tell nothing of what steps do not resolve
   static constexpr double alpha_m = (2 * radius - 1) / (radius + 1), alpha_f = radius / (radius + 1);
   static constexpr double gamma = 0.5 - alpha_m + alpha_f,
                           beta = 0.25 * (1 - alpha_m + alpha_f) * (1 - alpha_m + alpha_f);
@@ -44,9 +44,9 @@ class ErrorEquation {
   TwoGrid grid_;
   double damping_;
   Mat3X<double> e_, v_, a_, r_;  // [m], [m/s], [m/s²], [N]
-  double h_ = 0;                 // of the last step [s]
-  bool is_prepared_ = false;     // the grid, for this
-  HeldVertices held_;            // and for this
+  double h_ = 0;                 // the last step [s]
+  bool is_prepared_ = false;     // whether the grid is prepared for it
+  HeldVertices held_;            // held vertices for which the grid is prepared
 };
 
 }  // namespace lobe

@@ -11,8 +11,8 @@ namespace lobe {
 struct Gesture {
   std::string name;
   std::vector<Index> vertices;
-  std::vector<Vec3d> displacements;  // of the vertices [m]; none: a force acts on them
-  Vec3d force = Vec3d::Zero();       // in all [N], in addition to the loads of the setup
+  std::vector<Vec3d> displacements;  // displacements of the vertices [m]; none: a force acts on them
+  Vec3d force = Vec3d::Zero();       // total force [N], in addition to the loads of the setup
 };
 
 // The setup at the end of a gesture: the vertices that it moves are prescribed, and there are no tools.
@@ -21,7 +21,7 @@ Setup at_the_end_of(const Gesture& gesture, const Setup& setup);
 // The gestures that the grasps of a setup make, each at its furthest place. Empty if there are no grasps.
 std::vector<Gesture> gestures_of_grasps(const Setup& setup);
 
-// What is asked of a body in static equilibrium: what holds and loads it, without tools.
+// A demand on a body in static equilibrium: what holds and loads it, without tools.
 struct StaticLoad {
   std::string name;
   Setup setup;

@@ -37,12 +37,12 @@ class Influence {
   // Unit forces along the six rigid motions of a grasp, and their effect.
   struct Grasp {
     Eigen::Matrix<double, Eigen::Dynamic, 6> forces, fields;  // 3 × #vertices [N], [m]
-    Eigen::Matrix<double, Eigen::Dynamic, 6> means;           // of fields, 3 × #zones
-    Eigen::Matrix<double, Eigen::Dynamic, 6> gradients;       // of fields, 9 × #zones, mean
+    Eigen::Matrix<double, Eigen::Dynamic, 6> means;           // means of fields, 3 × #zones
+    Eigen::Matrix<double, Eigen::Dynamic, 6> gradients;       // mean gradients of fields, 9 × #zones
   };
   std::vector<Grasp> grasps_;
   std::vector<Index> holding_;
-  Eigen::MatrixXf free_, M_;  // 3 × #zones by 9 × #zones: with no grasp, and as they hold
+  Eigen::MatrixXf free_, M_;  // 3 × #zones by 9 × #zones: without grasps, and as they hold
 };
 
 }  // namespace lobe

@@ -16,8 +16,8 @@
 
 namespace lobe {
 
-struct MassReport : WatchReport {  // `place`: of the vertex that accelerated most when the error was made
-  int degree = 1;                  // from now on
+struct MassReport : WatchReport {  // `place`: the vertex that accelerated most when the error was made
+  int degree = 1;                  // degree from now on
   static constexpr auto counts = std::tuple();
 };
 
@@ -36,7 +36,7 @@ class MassWatch {
   MassReport look(World<Real>& world) { return look(world, sink_of(world)); }
   MassReport look(World<Real>& world, const CommandSink& send);
 
-  double looking_seconds() const { return looking_seconds_; }  // in all
+  double looking_seconds() const { return looking_seconds_; }  // total
 
  private:
   double slowness(const World<Real>& world, int degree) const;
@@ -45,15 +45,15 @@ class MassWatch {
   OnExceeded on_exceeded_;
   double slowness_ = 0;    // error over acceleration, at the highest degree [s²]; infinite: never
   double decay_rate_ = 0;  // rate at which errors die away [1/s]
-  double time_ = std::numeric_limits<double>::infinity();  // of the last estimate [s]
-  double error_ = 0;                                       // that may be left [√kg m]
-  Vec3d place_ = Vec3d::Zero();                            // of it
-  double largest_ = 0;                                     // norm of the displacement so far [√kg m]
+  double time_ = std::numeric_limits<double>::infinity();  // time of the last estimate [s]
+  double error_ = 0;                                       // error that may be left [√kg m]
+  Vec3d place_ = Vec3d::Zero();                            // place of that error
+  double largest_ = 0;  // largest norm of the displacement so far [√kg m]
   EditReader edits_;
   double looking_seconds_ = 0;
 };
 
-// Accelerations of the last step; where masses were lumped, what this degree would leave of them.
+// Accelerations of the last step; where masses were lumped, the part of them that this degree would leave.
 template <class Real>
 typename SelectiveMass<Real>::Acceleration smooth_acceleration(Dynamics<Real>& body, int degree);
 

@@ -11,12 +11,12 @@
 namespace lobe {
 
 struct ProposalOptions {
-  double tolerance = 0.02;            // of the L2 norm of the displacement
+  double tolerance = 0.02;            // bound of the relative L2 error of the displacement
   bool condense = true;               // linear regions may be precomputed
-  bool tensor_mass = true;            // or tensor-mass
+  bool tensor_mass = true;            // linear regions may be tensor-mass
   Index zones = 0;                    // 0: usual_zone_count()
-  bool in_double = false;             // precision of the run, in which its step is timed
-  std::optional<StepCost> cost = {};  // in place of measuring: the same regions at any time, on any machine
+  bool in_double = false;             // precision of the run in which its step is timed
+  std::optional<StepCost> cost = {};  // used in place of measuring: the same regions at any time and anywhere
   std::function<void(double fraction)> progress = {};
 };
 
@@ -27,11 +27,11 @@ struct GestureOutcome {
 };
 
 struct Proposal {
-  std::vector<RegionModel> region_of;                  // per tetrahedron
-  double linear_share = 0;                             // of the volume
-  double predicted_speedup = 1, measured_speedup = 1;  // of a step, against all non-linear
+  std::vector<RegionModel> region_of;                  // model of each tetrahedron
+  double linear_share = 0;                             // share of the volume
+  double predicted_speedup = 1, measured_speedup = 1;  // of a step, compared with all non-linear
   std::vector<GestureOutcome> gestures;
-  std::vector<std::string> notes;  // one line each: what could not be had, and why
+  std::vector<std::string> notes;  // lines that say what could not be had, and why
 };
 
 // The regions of the setup are ignored. Without gestures it takes usual_gestures(). Nothing is linear if that

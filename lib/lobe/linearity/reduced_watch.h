@@ -17,7 +17,7 @@
 
 namespace lobe {
 
-struct ReducedReport : WatchReport {  // `place`: of the vertex with the largest error
+struct ReducedReport : WatchReport {  // `place`: the vertex with the largest error
   Index to_full = 0;                  // vertices that it has made full
   static constexpr auto counts = std::make_tuple(std::pair("vertices_to_full", &ReducedReport::to_full));
 };
@@ -32,7 +32,7 @@ template <class Real>
 class ReducedWatch {
  public:
   using Report = ReducedReport;
-  static constexpr int frames_between = 2;  // estimates
+  static constexpr int frames_between = 2;  // frames between two estimates
 
   // Of a world that has no reduced region then, every error is 0, and nothing is computed.
   ReducedWatch(const World<Real>& world, ReducedOptions options);
@@ -42,9 +42,9 @@ class ReducedWatch {
   ReducedReport look(World<Real>& world) { return look(world, sink_of(world)); }
   ReducedReport look(World<Real>& world, const CommandSink& send);
 
-  // Per vertex that is known, at the last estimate [m]; none without a reduced region.
+  // The error of each known vertex at the last estimate [m]; none without a reduced region.
   Mat3X<double> vertex_errors(const World<Real>& world) const;
-  double looking_seconds() const { return looking_seconds_; }  // in all
+  double looking_seconds() const { return looking_seconds_; }  // total
 
  private:
   void begin_again(const World<Real>& world);
@@ -55,16 +55,16 @@ class ReducedWatch {
 
   ReducedOptions options_;
   std::optional<ErrorEquation> equation_;
-  std::future<TwoGrid> next_grid_;  // of the mesh as it was when that was begun
+  std::future<TwoGrid> next_grid_;  // grid for the mesh as it was when it was begun
   double grid_due_ = 0;             // [s]
   bool grid_is_stale_ = false;
   EditReader edits_;
-  bool begins_ = true;  // the error counts from here
+  bool begins_ = true;  // whether the error counts from here
   int looks_ = -1;
-  double time_ = 0;     // of the last estimate [s]
-  double largest_ = 0;  // norm of the displacement so far [√kg m]
+  double time_ = 0;     // time of the last estimate [s]
+  double largest_ = 0;  // largest norm of the displacement so far [√kg m]
   ReducedReport last_;
-  double before_ = 0;  // the estimate before the last
+  double before_ = 0;  // estimate before the last
   double looking_seconds_ = 0;
 };
 

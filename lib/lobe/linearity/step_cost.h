@@ -11,8 +11,8 @@ struct StepCost {
   double shared = 0;                      // [s] per vertex that both share
   double dense = 0;                       // [s] per entry of the condensed stiffness
 
-  // Time of a step [s] of a body with so many of each, and so many displacement components on the interface
-  // of its condensed region.
+  // Returns the time of a step [s] of a body with so many of each, and so many displacement components on the
+  // interface of its condensed region.
   double of(double nonlinear_tets, double tensor_mass_tets, double shared_vertices, double condensed) const {
     return nonlinear * nonlinear_tets + tensor_mass * tensor_mass_tets + shared * shared_vertices +
            dense * condensed * condensed;
@@ -24,8 +24,8 @@ struct StepCost {
 std::vector<double> step_seconds(const std::vector<Setup>& setups, bool in_double);
 double step_seconds(const Setup& setup, bool in_double);
 
-// From the steps of the setup with every tetrahedron non-linear, with every one tensor-mass, and with every
-// other zone.
+// Measures steps of the setup with every tetrahedron non-linear, with every one tensor-mass, and with every
+// other zone so.
 StepCost measure_step_cost(const Setup& setup, const Zones& zones, bool in_double);
 
 }  // namespace lobe

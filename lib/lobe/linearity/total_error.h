@@ -14,29 +14,29 @@
 
 namespace lobe {
 
-// Of one solution to another, relative.
+// The error of one solution relative to another.
 struct ErrorShare {
   double l2 = 0;       // error of the displacement over the body in L2, by mass
-  double largest = 0;  // by how much the largest displacement is larger
-  double force = 0;    // by how much the force on what the gesture moves is larger; 0 if it is the weight
+  double largest = 0;  // excess of the largest displacement
+  double force = 0;    // excess of the force on what the gesture moves; 0 for the weight
 };
 
 struct TotalError {
-  std::string name;     // of the gesture
-  std::string trouble;  // why there is no figure; empty if there is one
+  std::string name;     // name of the gesture
+  std::string trouble;  // reason why there is no figure; empty if there is one
   double largest = 0;   // largest displacement [m] of the mesh's solution
-  double force = 0;     // on what the gesture moves [N]; 0 if it is the weight
-  ErrorShare element;   // with the same body held
-  // Of what is held: the truth with the body held that the mesh holds, to that with the nodes held that the
-  // mesh refined once has selected. And the whole error, to the latter. None if that is not known.
+  double force = 0;     // force on what the gesture moves [N]; 0 for the weight
+  ErrorShare element;   // error with the same body held
+  // Error of what is held: of the truth with the body held that the mesh holds, to that with the nodes that
+  // the mesh refined once selects. And the whole error, to the latter. None if that is not known.
   std::optional<ErrorShare> held, total;
-  std::string held_trouble;  // why it is not known, if it was asked for
+  std::string held_trouble;  // reason why held and total are not known, if asked for
 };
 
 struct TotalErrorOptions {
-  SparseFactorMaker factor = {};  // if none is given, a Cholesky factor by dense blocks
+  SparseFactorMaker factor = {};  // factor; if none is given, a Cholesky factor by dense blocks
   std::function<void(double fraction)> progress = {};
-  // What the scene makes of another mesh of the body. If it is given, what is held is judged.
+  // The setup that the scene gives on another mesh of the body. If it is given, what is held is judged.
   std::function<Setup(const TetMesh& mesh)> on_mesh = {};
 };
 

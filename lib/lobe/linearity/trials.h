@@ -9,8 +9,8 @@
 namespace lobe {
 
 struct Trial {
-  Setup setup;      // at the gesture's end, or as far as there is an equilibrium
-  Mat3X<double> u;  // in equilibrium, all non-linear: 3 × #vertices [m]
+  Setup setup;      // setup at the gesture's end, or as far as there is an equilibrium
+  Mat3X<double> u;  // all non-linear, in equilibrium: 3 × #vertices [m]
   std::size_t gesture = 0;
   double norm = 0;  // √∫|u|² [m^2.5]
 };

@@ -15,7 +15,7 @@ namespace lobe {
 
 class TwoGrid {
  public:
-  // `edge`: of the lattice's cells [m]. Costs some microseconds per tetrahedron.
+  // `edge`: edge of the lattice's cells [m]. Costs some microseconds per tetrahedron.
   TwoGrid(const Elements& elements, double edge);
 
   // Sets the equation and what is held. The first call factors the lattice's matrix without what tools hold.
@@ -25,11 +25,11 @@ class TwoGrid {
 
   // Gives K x [N]; all are 3 × #vertices.
   using Product = std::function<Mat3X<double>(const Mat3X<double>& x)>;
-  Mat3X<double> solve(const Product& product, const Mat3X<double>& f) const;  // with two products
+  Mat3X<double> solve(const Product& product, const Mat3X<double>& f) const;  // takes two products
 
   void clear_held(Mat3X<double>& x) const;  // makes its held components zero
 
-  Index vertex_count() const { return static_cast<Index>(mass_.size()); }  // of the mesh it was made for
+  Index vertex_count() const { return static_cast<Index>(mass_.size()); }  // of its mesh
   const std::vector<double>& mass() const { return mass_; }                // per vertex [kg]
 
  private:
@@ -42,24 +42,24 @@ class TwoGrid {
   void find_stiffness(const Elements& elements);
   void add_spring(const HeldVertices::Held& item, SparseFactor::Matrix& A);
   Eigen::VectorXd solve_lattice(const Eigen::VectorXd& f) const;
-  // f − (s K + w M) x
+  // Returns f − (s K + w M) x.
   Mat3X<double> left(const Product& product, const Mat3X<double>& f, const Mat3X<double>& x) const;
   // The displacements that forces make, vertex by vertex and by the lattice alone.
   Mat3X<double> relaxed(Mat3X<double> f) const;
   Mat3X<double> of_lattice(Mat3X<double> f) const;
 
   Lattice lattice_;
-  std::vector<CellWeights> weights_;    // per vertex
+  std::vector<CellWeights> weights_;    // weights of each vertex
   std::vector<Mat3<double>> diagonal_;  // K_vv [N/m]
   std::vector<double> mass_, node_mass_;
-  SparseFactor::Matrix stiffness_;  // of nodes, lower triangle [N/m]
+  SparseFactor::Matrix stiffness_;  // stiffness of nodes, lower triangle [N/m]
   double s_ = 1, w_ = 0;
   Eigen::Matrix<bool, 3, Eigen::Dynamic> is_held_;
-  std::vector<Mat3<double>> relaxation_;  // per vertex, ω (s K_vv + w m_v)⁻¹
+  std::vector<Mat3<double>> relaxation_;  // ω (s K_vv + w m_v)⁻¹ of each vertex
   SparseFactor::Matrix matrix_;           // s K + w M of the lattice, and springs
   std::unique_ptr<SparseFactor> factor_;  // none where no tetrahedron is left
   enum class Factor { none, failed, near, exact };
-  Factor factored_ = Factor::none;  // of matrix_; failed: it is not positive definite
+  Factor factored_ = Factor::none;  // the factor of matrix_; failed: it is not positive definite
 };
 
 }  // namespace lobe

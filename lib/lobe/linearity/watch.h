@@ -21,9 +21,9 @@ namespace lobe {
 struct LinearityReport : WatchReport {  // its error is 0 while the pre-computed region is expanded
   double worst = 0;                     // the largest mean displacement error of a zone, that of `place` [m]
   Index to_nonlinear = 0, to_linear = 0;  // tetrahedra that changed their model
-  bool is_expanded = false;               // the pre-computed region
+  bool is_expanded = false;               // whether the pre-computed region is
 
-  // By the keys of the report of a run, which has the sums over its frames.
+  // Counts by the keys of a run's report, which has the sums over its frames.
   static constexpr auto counts =
       std::tuple(std::pair("frames_expanded", &LinearityReport::is_expanded),
                  std::pair("tetrahedra_to_nonlinear", &LinearityReport::to_nonlinear),
@@ -33,10 +33,10 @@ struct LinearityReport : WatchReport {  // its error is 0 while the pre-computed
 struct LinearityOptions {
   double tolerance = 0.02;
   bool correct = false;
-  RegionModel linear = RegionModel::tensor_mass;  // of zones that become linear
+  RegionModel linear = RegionModel::tensor_mass;  // model of zones that become linear
   Index zones = 0;                                // 0: usual_zone_count()
-  int recover_every = 12;  // frames, where the interior of a pre-computed region must be recovered
-  Index most_tets = 600;   // that change their model in one frame
+  int recover_every = 12;  // frames between estimates that must recover a pre-computed interior
+  Index most_tets = 600;   // most tetrahedra that change their model in one frame
   std::function<void(const LinearityReport&)> on_exceeded = {};
 };
 
@@ -45,7 +45,7 @@ class LinearityWatch {
  public:
   using Report = LinearityReport;
 
-  // One factor and three solves per zone. `grasps` are the vertices of the setup's grasps.
+  // Costs one factor and three solves per zone. `grasps` are the vertices of the setup's grasps.
   LinearityWatch(const World<Real>& world, const std::vector<std::vector<Index>>& grasps,
                  LinearityOptions options);
   LinearityWatch(const LinearityWatch&) = delete;
@@ -66,7 +66,7 @@ class LinearityWatch {
   const Mat3X<double>& zone_errors() const { return zone_errors_; }
   const Zones& zones() const { return zones_; }
 
-  double looking_seconds() const { return looking_seconds_; }  // in all, corrections left out
+  double looking_seconds() const { return looking_seconds_; }  // total, corrections left out
 
  private:
   HeldVertices boundary_of(const World<Real>& world) const;
@@ -96,18 +96,18 @@ class LinearityWatch {
   std::unique_ptr<Influence> influence_;
   std::future<std::unique_ptr<Influence>> next_influence_;
   double influence_due_ = 0;             // [s]
-  bool influence_is_stale_ = false;      // there were cuts that not even the next one knows
+  bool influence_is_stale_ = false;      // cuts came that not even the next one knows
   std::vector<double> share_;            // share of each zone's volume that is linear
   bool any_precomputed_ = false;         // tetrahedra
   std::vector<int> frames_near_linear_;  // frames since which each zone could have been linear
-  std::vector<double> tet_volume_;       // at rest [m³]
-  std::vector<double> volume_;           // per vertex [m³]
+  std::vector<double> tet_volume_;       // volume of each tetrahedron at rest [m³]
+  std::vector<double> volume_;           // volume around each vertex [m³]
   double density_ = 1;                   // mean [kg/m³]
   std::vector<Index> holding_;           // grasps that hold
-  double time_ = 0;                      // of the last estimate [s]
+  double time_ = 0;                      // time of the last estimate [s]
   int frames_condensable_ = 0;           // frames since which the region could have been condensed
   EditReader edits_;
-  double largest_ = 0;  // norm so far [m^2.5]
+  double largest_ = 0;  // largest norm so far [m^2.5]
   double looking_seconds_ = 0;
   int looks_ = 0;
   LinearityReport last_;

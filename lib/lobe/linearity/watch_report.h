@@ -7,9 +7,9 @@ namespace lobe {
 
 struct WatchReport {
   double time = 0;   // [s]
-  double error = 0;  // estimated L2 error of the displacement, of the largest L2 norm that it has had so far
+  double error = 0;  // estimated L2 error of the displacement, as a share of its largest L2 norm so far
   Vec3d place = Vec3d::Zero();  // a point where it is made, at rest [m]
-  bool exceeded = false;        // the tolerance
+  bool exceeded = false;        // whether the error exceeds the tolerance
 };
 
 // Reads a world's journal from where it was read last.
@@ -22,9 +22,9 @@ class EditReader {
   }
 
   struct News {
-    std::size_t first = 0;      // entry of the journal that is new
+    std::size_t first = 0;      // first new entry of the journal
     bool has_edits = false;     // the journal has other entries
-    bool was_restored = false;  // the world was put back to what it was before some edits
+    bool was_restored = false;  // whether the world went back to a state before some edits
     bool any() const { return has_edits || was_restored; }
   };
   template <class Real>

@@ -8,22 +8,22 @@
 namespace lobe {
 
 struct Zones {
-  // By METIS, so that zones share few faces, or by halving. `count` 1 … #tetrahedra, and then each is a zone
-  // of its own.
+  // Divides by METIS, so that zones share few faces, or by halving. `count` 1 … #tetrahedra; at the most each
+  // is a zone of its own.
   Zones(const Elements& elements, Index count);
 
   Index count() const { return static_cast<Index>(tets.size()); }
-  // Copies of tetrahedra that a blade has cut are in the zones of what they are copies of. Call it where
-  // there are others than before. O(#tetrahedra).
+  // Gives copies of tetrahedra that a blade has cut to the zones of their originals. Call it where there are
+  // others than before. O(#tetrahedra).
   void follow_copies(const Topology& topology);
-  double norm(const Eigen::VectorXd& u) const;  // √∫|u|² of a displacement per zone [m^2.5], 3 × #zones
+  double norm(const Eigen::VectorXd& u) const;  // √∫|u|² of displacements of zones [m^2.5], 3 × #zones
 
-  std::vector<Index> of;                 // per tetrahedron
-  std::vector<std::vector<Index>> tets;  // per zone, none of them empty
-  std::vector<double> volume;            // per zone [m³]
+  std::vector<Index> of;                 // zone of each tetrahedron
+  std::vector<std::vector<Index>> tets;  // tetrahedra of each zone, none of them empty
+  std::vector<double> volume;            // volume of each zone [m³]
 };
 
-// As many as are fine enough to choose from, and few enough to be watched at every frame.
+// Returns as many as are fine enough to choose from, and few enough to be watched at every frame.
 Index usual_zone_count(Index tets);
 
 }  // namespace lobe

@@ -20,14 +20,14 @@ struct HandCommand {
     take_at_point,  // holds what lies within `radius` of `position`
     bring,          // the tool that `tool` says, off; `position` is that of the hand, usually of the tip
     lead,     // moves the hand to `position`, turned by `orientation` since it took hold or brought its tool
-    turn_on,  // or off, as `on` says: a cautery burns, a scalpel cuts, jaws close
+    turn_on,  // turns it on or off, as `on` says: a cautery burns, a scalpel cuts, jaws close
     let_go,   // a grasp lets go; a tool that the hand has brought is removed
     edit,     // edits the body by `body_edit`: RemoveTets, SetRegion, SetForces and others
-    run,      // as `on` says; false: the simulation pauses
-    step,     // one frame, while paused
-    speed,    // `value` simulated seconds per second of the clock, 0.001 … 100
-    restart,  // as it was at the start; all hands let go
-    back,     // by at least `value` seconds; all hands let go
+    run,      // runs as `on` says; false: the simulation pauses
+    step,     // makes one frame, while paused
+    speed,    // sets the speed: `value` simulated seconds per second of the clock, 0.001 … 100
+    restart,  // goes back to the start; all hands let go
+    back,     // goes back by at least `value` seconds; all hands let go
     alive     // does nothing, but shows that the controller is there
   };
   Kind kind = Kind::alive;
@@ -35,12 +35,12 @@ struct HandCommand {
   HandNumber hand = 0;
   std::uint64_t sequence = 0;               // the controller's own count; SessionStatus reports it back
   Vec3d position = Vec3d::Zero();           // [m]
-  Vec3d direction = Vec3d::Zero();          // of any length but 0
+  Vec3d direction = Vec3d::Zero();          // direction, of any length but 0
   Eigen::Vector4d orientation{0, 0, 0, 1};  // unit quaternion x, y, z, w
   double radius = 0;                        // [m]
   double value = 0;
-  std::shared_ptr<const Edit> body_edit = {};  // of `edit`
-  std::shared_ptr<const BringTool> tool = {};  // of `bring`; the hand's name replaces its own
+  std::shared_ptr<const Edit> body_edit = {};  // edit for `edit`
+  std::shared_ptr<const BringTool> tool = {};  // tool for `bring`; the hand's name replaces its own
 };
 
 const char* name(HandCommand::Kind kind);

@@ -53,7 +53,7 @@ class HandQueue {
   std::mutex senders_;
   Ring<Sent> ring_;
   std::map<std::pair<int, HandNumber>, std::uint64_t>
-      last_pose_;  // in the ring; none: something else was asked since
+      last_pose_;  // numbers in the ring; none: something else was asked since
   std::array<std::atomic<Place>, most_controllers> places_{};
   std::array<std::string, most_controllers> names_;  // written while a place is free
   std::atomic<std::uint32_t> signal_{0};

@@ -35,8 +35,8 @@ class Hands {
     ToolPose pose = {};
   };
   LedTool led_tool(int controller, HandNumber number) const;
-  int drop(int controller);          // its hands let go; returns how many held something
-  void forget() { hands_.clear(); }  // after the world went back to an earlier state: its tools are gone
+  int drop(int controller);          // lets a controller's hands let go; returns how many held something
+  void forget() { hands_.clear(); }  // call it after the world went back: its tools are gone
 
   // Empties hands whose tools the application has let go of between two frames, and says so.
   void notice_gone_tools();
@@ -55,9 +55,9 @@ class Hands {
     ToolId tool = 0;                   // 0: empty
     bool is_placed = false;            // poses act at once, without lag
     bool is_leading = false;           // poses move the tool; a grasp first takes hold
-    Vec3d arm = Vec3d::Zero();         // from where it took hold to the centre of what it holds [m]
-    Eigen::Vector4d turn{0, 0, 0, 1};  // of a probe when it was brought: a quaternion x, y, z, w
-    Index vertices = 0;                // that it holds
+    Vec3d arm = Vec3d::Zero();         // arm from where it took hold to the centre of what it holds [m]
+    Eigen::Vector4d turn{0, 0, 0, 1};  // orientation when it was brought: a quaternion x, y, z, w
+    Index vertices = 0;                // vertices that it holds
     PoseFilter filter = {};
   };
 
@@ -83,7 +83,7 @@ class Hands {
   Messages& messages_;
   HandLimits limits_;
   std::vector<Hand> hands_;
-  Mat3X<Real> x_;  // of the surface, where a ray is cast
+  Mat3X<Real> x_;  // surface when a ray is cast
 };
 
 }  // namespace lobe

@@ -1,5 +1,5 @@
-// Pace compares simulated time with the clock: when the next frame is due, how late a session is, how fast it
-// runs. Nothing of it enters the simulation.
+// Pace compares simulated time with the clock: when the next frame is due, how late a session is, how fast
+// it runs. Nothing of it enters the simulation.
 #pragma once
 
 #include <chrono>
@@ -20,8 +20,8 @@ class Pace {
   Clock::time_point frame_done(Clock::time_point now, double length, double speed, Clock::duration worked);
 
   std::int64_t frames_late() const { return late_; }
-  // Over the last half second. factor(): simulated seconds per second of the clock. The other: per second of
-  // work, which is what a session could reach without waiting.
+  // Speeds over the last half second. factor(): simulated seconds per second of the clock. The other: per
+  // second of work, which a session could reach without waiting.
   double factor() const { return factor_; }
   double possible_factor() const { return possible_; }
 
@@ -33,7 +33,7 @@ class Pace {
   };
   Clock::time_point due_{};
   double simulated_ = 0, worked_ = 0;
-  std::deque<Done> done_;  // of the last half second, and the one before
+  std::deque<Done> done_;  // frames of the last half second, and the one before
   std::int64_t late_ = 0;
   double factor_ = 0, possible_ = 0;
 };

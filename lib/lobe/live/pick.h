@@ -8,7 +8,7 @@
 namespace lobe {
 
 struct RayHit {
-  Index triangle = -1;          // of the surface
+  Index triangle = -1;          // triangle of the surface
   Vec3d point = Vec3d::Zero();  // [m]
 };
 
@@ -17,7 +17,7 @@ template <class Real>
 std::optional<RayHit> cast_ray(const SurfaceMesh& surface,
                                const Mat3X<Real>& x,     // 3 × #vertices of the surface [m]
                                const Vec3d& origin,      // [m]
-                               const Vec3d& direction);  // of any length but 0
+                               const Vec3d& direction);  // direction, of any length but 0
 
 // Whether a point lies in a tetrahedron that is alive. O(#tets).
 template <class Real>

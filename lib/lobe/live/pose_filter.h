@@ -7,10 +7,10 @@
 namespace lobe {
 
 struct HandLimits {
-  double lag = 0.04;       // by how much the tool trails a hand that moves uniformly [s]
-  double top_speed = 0.5;  // of the tool [m/s]
+  double lag = 0.04;       // time by which the tool trails a hand that moves uniformly [s]
+  double top_speed = 0.5;  // top speed of the tool [m/s]
   double top_turn = 10;    // [rad/s]
-  double force_cap = 20;   // a grasp that is pulled at with more slips off [N]
+  double force_cap = 20;   // force above which a grasp slips off [N]
 };
 
 class PoseFilter {
@@ -21,7 +21,7 @@ class PoseFilter {
   void aim(const ToolPose& target) { target_ = target; }
   // Moves the tool by dt [s]. False if it rests at its target.
   bool step(double dt, const HandLimits& limits);
-  // The same without a lag, for a device whose motion is smooth by itself.
+  // Moves the tool without a lag, for a device whose motion is smooth by itself.
   bool step_without_lag(double dt, const HandLimits& limits);
   const ToolPose& pose() const { return now_; }
 

@@ -70,13 +70,13 @@ class Ring {
   static constexpr std::uint8_t taken = 2;
   struct Place {
     std::array<T, 2> values{};
-    std::atomic<std::uint8_t> which{taken};  // of the values counts
+    std::atomic<std::uint8_t> which{taken};  // number of the value that counts
   };
 
   const std::uint32_t size_;
   const std::unique_ptr<Place[]> places_;
   alignas(64) std::atomic<std::uint64_t> put_{0};    // values so far
-  alignas(64) std::atomic<std::uint64_t> taken_{0};  // of them
+  alignas(64) std::atomic<std::uint64_t> taken_{0};  // those taken so far
 };
 
 }  // namespace lobe

@@ -37,7 +37,7 @@ struct SessionOptions {
   // Length of a frame [s], above 0. The session lowers it by up to 2e-9 of itself, so that multiples are
   // exact.
   double frame = 1.0 / 120;
-  int threads = 1;                      // that the world computes with
+  int threads = 1;                      // threads of the world
   double speed = 1;                     // simulated seconds per second of the clock, 0.001 … 100
   bool paced = true;                    // false: frames follow each other without waiting
   bool running = true;                  // false: it begins paused
@@ -69,7 +69,7 @@ class Controller {
     if (queue_) queue_->disconnect(number_);
   }
 
-  int number() const { return number_; }  // in SessionStatus
+  int number() const { return number_; }  // number in SessionStatus
   // Sends a command. False if the queue is full; the command may then be sent again. Never waits for the
   // simulation.
   bool send(const HandCommand& command) { return queue_->send(number_, command); }
@@ -110,7 +110,7 @@ class Session {
   // neither the thread nor the program: the session gives the message `failed` and stands still. Only going
   // back or restarting leads on from there.
   void start();
-  void stop();  // ends that thread after its present frame; start() may be called again
+  void stop();  // lets that thread end after its present frame; start() may be called again
   bool is_started() const { return thread_.joinable(); }
   // Performs the commands sent since the last frame, then simulates one frame. While it pauses it only
   // performs the commands, and returns false. Do not call it between start() and stop().
@@ -118,8 +118,8 @@ class Session {
 
   // ---- Between frames only: while the session is not started, or within between_frames()
 
-  // To read it. What is done to it directly is in no recording: replays and saved scenes then differ. Send
-  // commands (HandCommand::Kind::edit).
+  // The world, to be read. What is done to it directly is in no recording: replays, saved scenes then differ.
+  // Send commands (HandCommand::Kind::edit).
   World<Real>& world() { return world_; }
   const World<Real>& world() const { return world_; }
   const Recording& recording() const { return timeline_.recording(); }
@@ -172,13 +172,13 @@ class Session {
   bool steps_once_ = false, stands_still_ = false;
   bool has_failed_ = false;   // a frame was left in the middle
   bool was_told_ = false;     // something has happened that the next status must show
-  bool was_changed_ = false;  // since the last snapshot: the body was edited, or put back
+  bool was_changed_ = false;  // whether the body was edited, or put back, since the last snapshot
   std::int64_t frames_ = 0, reruns_ = 0;
   TripleBuffer<SessionStatus> status_;
 
   std::thread thread_;
   std::atomic<bool> stops_ = false;
-  std::atomic<bool> is_driven_ = false;  // by that thread
+  std::atomic<bool> is_driven_ = false;  // whether that thread drives it
   std::mutex asking_;
   std::atomic<const std::function<void()>*> work_ = nullptr;
   std::exception_ptr work_failed_;

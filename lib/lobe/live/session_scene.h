@@ -15,12 +15,12 @@ namespace lobe {
 // a session that no scene can describe: the body was edited otherwise than by tools, a frame failed, nothing
 // was done yet, or the session is of another scene.
 template <class Real>
-Scene session_scene(const Scene& scene,  // of the session
-                    const Setup& setup,  // that the session was built from
+Scene session_scene(const Scene& scene,  // scene of the session
+                    const Setup& setup,  // setup that the session was built from
                     const Session<Real>& session);
 
-// The same scene with automatic regions. It declares a gesture for each grasp: its motion to where it was
+// Returns the scene with automatic regions. It declares a gesture for each grasp: its motion to where it was
 // furthest. A grasp that holds only copies, or does not move, gives none.
-Scene with_gestures(Scene scene, double tolerance);  // relative L2 error of the displacement
+Scene with_gestures(Scene scene, double tolerance);  // tolerance: relative L2 error of the displacement
 
 }  // namespace lobe

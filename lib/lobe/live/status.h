@@ -27,42 +27,40 @@ namespace lobe {
 //   went_back, restored  as asked
 struct SessionMessage {
   std::uint64_t number = 0;  // counted from 1
-  double time = 0;           // simulated, the first time [s]
+  double time = 0;           // simulated time of the first one [s]
   std::string name, text;
-  std::string
-      about;      // the elements that the text names: "tetrahedron 12", "vertex 3 tetrahedron 12"; or none
-  int times = 1;  // how often it came with the same words; the text has the latest figures
+  std::string about;  // elements that the text names: "tetrahedron 12", "vertex 3 tetrahedron 12"; or none
+  int times = 1;      // how often it came with the same words; the text has the latest figures
 };
 
 struct HandStatus {
   int controller = 0;
   HandNumber hand = 0;
-  ToolId tool = 0;                      // of the world
-  const char* type = GraspSetup::type;  // as in a scene
-  bool holds = false;                   // a grasp: it has taken hold; another tool: it is on
-  Index vertices = 0;                   // that a grasp holds
-  ToolPose pose = {};                   // of where it took hold, or of the tip
-  Vec3d force = Vec3d::Zero();          // on the tool, by the body, mean over the last frame [N]
-  Vec3d torque = Vec3d::Zero();         // about the grasp's centre [N m]
+  ToolId tool = 0;                      // tool in the world
+  const char* type = GraspSetup::type;  // type in a scene
+  bool holds = false;                   // whether a grasp has taken hold, or another tool is on
+  Index vertices = 0;                   // vertices that a grasp holds
+  ToolPose pose = {};                   // pose of where it took hold, or of the tip
+  Vec3d force = Vec3d::Zero();          // force on the tool by the body, mean over the last frame [N]
+  Vec3d torque = Vec3d::Zero();         // torque about the grasp's centre [N m]
   ToolShape shape = {};
 };
 
 struct SessionStatus {
   std::int64_t picture = 0;  // Snapshot::frame of the picture that goes with it
-  double time = 0;           // simulated [s]
+  double time = 0;           // simulated time [s]
   bool is_running = false;   // false: paused
   bool stands_still = false;
-  double speed = 1;             // asked for, simulated seconds per second
-  double real_time_factor = 0;  // reached, over the last half second; 0 while paused
-  double possible_factor =
-      0;                    // the same per second of work: what it could reach without waiting for the clock
-  std::int64_t frames = 0;  // of the session, over all restarts
+  double speed = 1;             // speed asked for, simulated seconds per second
+  double real_time_factor = 0;  // speed reached over the last half second; 0 while paused
+  double possible_factor = 0;   // speed per second of work: what it could reach without waiting for the clock
+  std::int64_t frames = 0;      // frames of the session, over all restarts
   std::int64_t frames_late = 0;
-  std::int64_t reruns = 0;     // that were run again with smaller steps
+  std::int64_t reruns = 0;     // frames run again with smaller steps
   double can_go_back = 0;      // [s]
-  std::uint64_t revision = 0;  // of the surface
+  std::uint64_t revision = 0;  // revision of the surface
   std::vector<HandStatus> hands;
-  // Per controller: the sequence of its last command that this state contains.
+  // The sequence of each controller's last command that this state contains.
   std::vector<std::uint64_t> sequences;
   std::shared_ptr<const std::vector<SessionMessage>> messages;  // the last 64, the newest at the end
 };

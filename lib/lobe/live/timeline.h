@@ -36,12 +36,12 @@ class Timeline {
   void go_back(double seconds);
   void restart();
   SavedSession<Real> save() const { return {world_.save(), recording()}; }
-  // Goes on from there, as go_back() does. Throws InputError if it is of another setup, and changes nothing
-  // then.
+  // Goes on from a saved session, as go_back() does. Throws InputError if it is of another setup, and changes
+  // nothing then.
   void restore(SavedSession<Real> saved);
 
   double can_go_back() const { return world_.time() - first_.state.time; }  // [s]
-  std::size_t bytes() const { return checkpoints_.bytes(); }  // of the states in memory, but the first
+  std::size_t bytes() const { return checkpoints_.bytes(); }  // memory of all states but the first
   const Recording& recording() const { return recorder_.recording(); }
 
  private:

@@ -27,7 +27,7 @@ struct VentricleShape {
   double inner_radius = 0.022, outer_radius = 0.032;  // [m]
   double inner_length = 0.055, outer_length = 0.065;  // half axes along z, from the centre to the apex [m]
   double base = 0.015;                                // [m]
-  double inner_angle = 1.0471975511965976, outer_angle = -1.0471975511965976;  // of fibres [rad]: ±60°
+  double inner_angle = 1.0471975511965976, outer_angle = -1.0471975511965976;  // angles of fibres [rad]: ±60°
 };
 
 // Deforms a cylinder mesh so that its axis becomes the apex. Layers go from the inside out, rings from the

@@ -12,8 +12,8 @@ void append_body(const TetMesh& body, const std::string& name, TetMesh& mesh);
 // The tetrahedra of one body, with the vertices that they have in the whole mesh.
 TetMesh tets_of_body(const TetMesh& mesh, int body);
 
-// What append_body() has added, with numbers of its own. Vertices of no tetrahedron belong to the body after
-// them, the last ones to the last body. Throws InputError if vertices are not numbered body by body.
+// One body as append_body() has added it, with numbers of its own. Vertices of no tetrahedron belong to the
+// body after them, the last ones to the last body. Throws InputError if vertices are not numbered by body.
 TetMesh mesh_of_body(const TetMesh& mesh, int body);
 
 }  // namespace lobe

@@ -14,7 +14,7 @@ namespace lobe {
 struct MeshBodies {
   static constexpr std::size_t most = 255;  // bodies of a mesh
 
-  std::vector<std::string> names = {};  // of the bodies; none: the mesh is one body without a name
+  std::vector<std::string> names = {};  // names of the bodies; none: the mesh is one body without a name
   std::vector<std::uint8_t> of =
       {};  // per tetrahedron: its body's place among the names; none if there are none
 

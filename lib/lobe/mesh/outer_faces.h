@@ -9,7 +9,7 @@ namespace lobe {
 
 struct TetFace {
   Index tet = 0;
-  int face = 0;  // opposite to this corner
+  int face = 0;  // the corner opposite to the face
   bool operator==(const TetFace&) const = default;
 };
 

@@ -9,8 +9,8 @@ namespace lobe {
 
 struct RefinedMesh {
   TetMesh mesh;                            // the old vertices keep their numbers; new ones come after them
-  std::vector<Index> parent_of;            // per tetrahedron; those of parent t are 8 t … 8 t + 7
-  std::vector<std::array<Index, 2>> ends;  // per new vertex: the old vertices in whose middle it lies
+  std::vector<Index> parent_of;            // parent of each tetrahedron; t has the children 8 t … 8 t + 7
+  std::vector<std::array<Index, 2>> ends;  // ends of the old edge in whose middle each new vertex lies
 
   // A P1 field of the old mesh, #components × #old vertices, as one of the new mesh, without any change.
   template <class Field>

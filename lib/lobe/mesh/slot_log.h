@@ -13,7 +13,7 @@ namespace lobe {
 
 class SlotLog {
  public:
-  // Everything changed with this revision.
+  // Says that everything has changed with this revision.
   void restart(std::uint64_t revision) {
     first_ = revision + 1;
     slots_.clear();
@@ -29,8 +29,8 @@ class SlotLog {
 
   void record(Index slot) { slots_.push_back(slot); }
 
-  // The slots that changed after this revision. A slot may be listed several times, or lie beyond the end of
-  // an array that has become shorter. None if that is no longer known; then all may have changed. O(1).
+  // Returns the slots that changed after this revision. A slot may be listed several times, or lie beyond the
+  // end of an array that has become shorter. None if it is no longer known: then all may have changed. O(1).
   std::optional<std::span<const Index>> since(std::uint64_t revision) const {
     if (revision > last() || revision + 1 < first_) return std::nullopt;
     const std::uint64_t at = revision + 1 - first_;

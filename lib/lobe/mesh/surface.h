@@ -23,15 +23,15 @@ enum class RegionModel : std::uint8_t;  // fem/body.h
 
 // What a triangle has of its tetrahedron.
 struct TetTags {
-  TetTags(const std::vector<RegionModel>& regions) : region_of(regions) {}  // of a mesh of one body
+  TetTags(const std::vector<RegionModel>& regions) : region_of(regions) {}  // tags of a mesh of one body
   TetTags(std::span<const RegionModel> regions, const MeshBodies& mesh_bodies)
       : region_of(regions), bodies(&mesh_bodies) {}
 
   RegionModel region(Index tet) const { return region_of[std::size_t(tet)]; }
   std::uint8_t body(Index tet) const { return bodies ? std::uint8_t(bodies->body_of(tet)) : std::uint8_t(0); }
 
-  std::span<const RegionModel> region_of;  // per tetrahedron
-  const MeshBodies* bodies = nullptr;      // null: there is one
+  std::span<const RegionModel> region_of;  // model of each tetrahedron
+  const MeshBodies* bodies = nullptr;      // null: there is one body
 };
 
 // The face that a triangle is. `code` tells the faces of one tetrahedron apart and has no other meaning.
@@ -48,20 +48,20 @@ struct SurfaceMesh {
   // One per triangle.
   std::vector<Eigen::Vector3i> triangles;  // vertices of the surface, counter-clockwise seen from outside
   std::vector<FaceOwner> owner;
-  std::vector<RegionModel> region;  // of its tetrahedron
-  std::vector<std::uint8_t> body;   // of its tetrahedron (MeshBodies); 0 where there is one
+  std::vector<RegionModel> region;  // region of its tetrahedron
+  std::vector<std::uint8_t> body;   // body of its tetrahedron (MeshBodies); 0 where there is one
   std::vector<std::uint8_t> cut;    // 0: skin; faces that were inside at the start: 1: cut, 2: burnt
 
   // One per vertex of the surface.
-  std::vector<Index> mesh_vertex;        // the vertex of the mesh that it is; or the nearest to it, see below
+  std::vector<Index> mesh_vertex;        // vertex of the mesh, or the nearest one, see below
   std::vector<std::uint8_t> vertex_cut;  // 1: of cut faces, 0: of skin
 
   // The vertices of the surface that are no vertices of the mesh, because a blade has cut between those. In
   // no particular order.
   struct Within {
-    Index vertex;             // of the surface
+    Index vertex;             // vertex of the surface
     Eigen::Vector4i corners;  // vertices of the mesh
-    Eigen::Vector4d weights;  // barycentric
+    Eigen::Vector4d weights;  // barycentric weights
   };
   std::vector<Within> within;
 
@@ -76,21 +76,21 @@ struct SurfaceMesh {
 
 class Surface {
  public:
-  Surface() = default;  // of nothing, until it is rebuilt
+  Surface() = default;  // an empty surface until it is rebuilt
   // The body may have been cut before. What was inside at the start then follows from the tetrahedra that are
   // gone. O(#tets), and O(n log n) in the number of these.
   Surface(const Topology& topology, const TetTags& tags) { rebuild(topology, tags); }
   Surface(const SurfaceCells& cells, const TetTags& tags) { rebuild(cells, tags); }
 
-  // The same for a surface that has readers: the revision goes on, and everything changes.
+  // Rebuilds a surface that has readers: the revision goes on, and everything changes.
   void rebuild(const Topology& topology, const TetTags& tags);
   void rebuild(const SurfaceCells& cells, const TetTags& tags);
 
   // Call it after each edit, which the topology has made. O(#tetrahedra around the vertices of the removed
   // ones).
   void follow(const Topology& topology, const MeshEdit& edit, const TetTags& tags);
-  // The same for cells of any kind: these may be gone, or have other points, neighbours or tetrahedra. The
-  // kind is that of rebuild(). O(#them).
+  // Follows cells of any kind: they may be gone, or have other points, neighbours or tetrahedra. The kind is
+  // that of rebuild(). O(#them).
   void follow(const SurfaceCells& cells, std::vector<Index> changed, const TetTags& tags);
   // Call it when these tetrahedra may have changed their region. O(#them).
   void follow_regions(const SurfaceCells& cells, std::span<const Index> tets,
@@ -101,21 +101,21 @@ class Surface {
 
   // Where a face is in the arrays of mesh(); −1: nowhere.
   Index triangle_of(const FaceOwner& face) const;
-  // The vertex of the surface that a point of the cells is on the skin, or on the cut of a stroke. Stroke −1:
-  // on what no blade has cut. −1: it is none.
+  // Returns the vertex of the surface at a point of the cells: on the skin, or on a stroke's cut. Stroke −1:
+  // a cut that no blade has made. −1: there is none.
   Index vertex_of(Index point, bool cut, Index stroke = -1) const;
   Index point_of(Index vertex) const { return point_of_[vertex]; }
 
  private:
-  using Kind = Index;  // of a face: skin, the stroke of a blade that has opened it, or burnt: opened else
+  using Kind = Index;  // kind of a face: skin, the stroke that has opened it, or burnt: opened otherwise
   static constexpr Kind burnt = -1, skin = -2;
   // A face that is new, or whose corners are.
   struct Face {
     FaceOwner owner;
     Index code = -1;      // 4 × cell + face
-    Index triangle = -1;  // its slot
+    Index triangle = -1;  // slot of the triangle
     Kind kind = burnt;
-    bool is_burnt = false;  // what was behind it is gone
+    bool is_burnt = false;  // whether what was behind it is gone
     Eigen::Vector3i points;
     Eigen::Vector3i vertices = Eigen::Vector3i::Constant(-1);
   };
@@ -143,18 +143,18 @@ class Surface {
 
   SurfaceMesh mesh_;
   bool of_tets_ = true;
-  std::vector<Index> point_of_;     // per vertex: of the cells
-  std::vector<Index> within_of_;    // per vertex: its place in mesh_.within, −1: none
-  std::vector<Index> uses_;         // per vertex: corners of triangles
-  std::vector<Index> triangle_of_;  // per cell, four faces
-  std::vector<Index> first_of_;     // per point: the first of its vertices
-  std::vector<Index> next_of_;      // per vertex: another one of its point; −1: the last
-  std::vector<Kind> kind_of_;       // per vertex: of the faces around it
+  std::vector<Index> point_of_;     // point of the cells, per vertex
+  std::vector<Index> within_of_;    // place in mesh_.within, per vertex; −1: none
+  std::vector<Index> uses_;         // corners of triangles at each vertex
+  std::vector<Index> triangle_of_;  // triangles of the four faces of each cell
+  std::vector<Index> first_of_;     // first vertex of each point
+  std::vector<Index> next_of_;      // next vertex of the same point; −1: it is the last
+  std::vector<Kind> kind_of_;       // kind of the faces around each vertex
 
   // Scratch of an edit.
   std::vector<Face> faces_;
   std::vector<Index> corners_, near_;
-  std::vector<Index> free_triangles_, unused_;  // in descending order
+  std::vector<Index> free_triangles_, unused_;  // free places, in descending order
 };
 
 // Positions x = X + u of the surface's vertices. O(#vertices).
@@ -168,8 +168,8 @@ void update_positions(const SurfaceMesh& surface,
 template <class Real>
 Mat3X<Real> at_surface(const SurfaceMesh& surface, const Eigen::Ref<const Mat3X<Real>>& values);
 
-// Unit normals of the surface's vertices that look outwards: the sum of the triangles' around them, weighted
-// by area; zero where these have none. O(#triangles).
+// Unit normals of the surface's vertices, outwards: the sum of the normals of the triangles around each,
+// weighted by area; zero where these have none. O(#triangles).
 template <class Real>
 void update_normals(const SurfaceMesh& surface, const Mat3X<Real>& x, Mat3X<Real>& normals);
 

@@ -12,15 +12,15 @@ namespace lobe {
 
 // Where a point is: at a vertex of the mesh, or within a tetrahedron.
 struct SurfacePlace {
-  Index vertex = -1;                                        // −1: within
-  Eigen::Vector4i corners = Eigen::Vector4i::Constant(-1);  // of the tetrahedron, vertices of the mesh
-  Eigen::Vector4d weights = Eigen::Vector4d::Zero();        // barycentric
+  Index vertex = -1;                                        // −1: it lies within a tetrahedron
+  Eigen::Vector4i corners = Eigen::Vector4i::Constant(-1);  // corners of the tetrahedron, as vertices
+  Eigen::Vector4d weights = Eigen::Vector4d::Zero();        // barycentric weights
 };
 
 class SurfaceCells {
  public:
   struct Cell {
-    Index tet = -1;                                          // that it is part of; −1: it is gone
+    Index tet = -1;  // tetrahedron that it is part of; −1: it is gone
     Eigen::Vector4i points = Eigen::Vector4i::Constant(-1);  // oriented as a tetrahedron's corners
     unsigned outer = 0;                                      // one bit per face: nothing is behind it
   };
@@ -29,12 +29,12 @@ class SurfaceCells {
   virtual Index count() const = 0;
   virtual Index point_count() const = 0;
   virtual Cell cell(Index cell) const = 0;
-  virtual std::vector<Index> outer_faces() const = 0;  // of all, as codes 4 × cell + face
+  virtual std::vector<Index> outer_faces() const = 0;  // codes 4 × cell + face of all outer faces
   virtual std::span<const Index> around(Index point) const = 0;
   virtual void append_cells_of(Index tet, std::vector<Index>& cells) const = 0;
   // Whether an outer face was inside at the start; `was_cut` is what was known of it, true for a new one.
   virtual bool is_cut(Index code, bool was_cut) const = 0;
-  virtual Index stroke_of(Index) const { return -1; }  // of a blade that has opened the face; −1: none has
+  virtual Index stroke_of(Index) const { return -1; }  // stroke that has opened the face; −1: none
   // Whether an opened face has lost what was behind it, to a cautery; else a blade has parted both.
   // `was_burnt` is what was known of it, false for a new one.
   virtual bool is_burnt(Index code, bool) const { return stroke_of(code) < 0; }
@@ -47,7 +47,7 @@ class TetCells : public SurfaceCells {
  public:
   // New faces of the boundary were inside before.
   explicit TetCells(const Topology& topology) : topology_(topology) {}
-  // After an edit that has removed these tetrahedra. O(n log n) in their number.
+  // Cells after an edit that has removed these tetrahedra. O(n log n) in their number.
   TetCells(const Topology& topology, std::span<const Index> removed);
   // What was inside at the start follows from the tetrahedra that are gone. O(#tets), and O(n log n) in the
   // number of these.
@@ -72,7 +72,7 @@ class TetCells : public SurfaceCells {
 
   const Topology& topology_;
   bool knows_start_ = false;
-  std::vector<FaceAtStart> gone_;  // faces of tetrahedra that are gone: what lies behind one was inside
+  std::vector<FaceAtStart> gone_;  // faces of tetrahedra that are gone: behind them was tissue
 };
 
 }  // namespace lobe

@@ -16,7 +16,7 @@ struct TetMesh {
   Tets tets;                // 4 × #tetrahedra, positively oriented: det[X1−X0, X2−X0, X3−X0] > 0
   std::vector<int> labels;  // one per tetrahedron, 0 where the file has none
   Mat3X<double> fibres{};   // 3 × #tetrahedra, unit vectors along the fibres at rest; or no column
-  MeshBodies bodies{};      // of a mesh of several bodies (joined_mesh.h)
+  MeshBodies bodies{};      // bodies of a mesh of several (joined_mesh.h)
 
   Index vertex_count() const { return static_cast<Index>(points.cols()); }
   Index tet_count() const { return static_cast<Index>(tets.cols()); }
@@ -39,7 +39,7 @@ double total_volume(const TetMesh& mesh);  // [m³]
 struct Box {
   Vec3d min = Vec3d::Zero(), max = Vec3d::Zero();  // [m]
 };
-Box bounding_box(const TetMesh& mesh);             // of the vertices that tetrahedra use
+Box bounding_box(const TetMesh& mesh);             // box of the vertices that tetrahedra use
 Vec3d barycentre(const TetMesh& mesh, Index tet);  // [m]
 
 // What prepare() changed or noticed.
@@ -54,7 +54,7 @@ struct PrepareReport {
 // indices out of range, a vertex used twice by one tetrahedron, NaN or infinite coordinates, flat
 // tetrahedra (smallest altitude below 1e-7 of the longest edge), two tetrahedra with the same four
 // vertices, a face shared by three or more tetrahedra, no tetrahedron at all.
-// `name` is what messages call the mesh, usually its file.
+// `name` is the mesh's name in messages, usually its file.
 PrepareReport prepare(TetMesh& mesh, const std::string& name);
 
 }  // namespace lobe

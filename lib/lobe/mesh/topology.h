@@ -14,12 +14,12 @@
 
 namespace lobe {
 
-// A vertex that is split, because its tetrahedra are no longer connected by faces. Some of them get a copy of
+// The split of a vertex whose tetrahedra are no longer connected by faces. Some of them get a copy of
 // it.
 struct VertexSplit {
   Index vertex = 0;
   Index copy = 0;           // a new vertex, numbered after all others
-  std::vector<Index> tets;  // those that now have the copy for a corner
+  std::vector<Index> tets;  // tetrahedra that now have the copy for a corner
 };
 
 // If a blade has cut a tetrahedron, there is a copy of it for each part that has vertices of its own. The
@@ -37,7 +37,7 @@ struct TetShare {
 struct MeshEdit {
   std::vector<Index> removed;
   std::vector<TetCopy> copies;
-  std::vector<TetShare> shares;  // of all that have another share than before
+  std::vector<TetShare> shares;  // shares of all that have another share than before
   std::vector<VertexSplit> splits;
   // For each connected part of the removed tetrahedra: one tetrahedron next to it that is left.
   std::vector<Index> next_to_removed;
@@ -49,19 +49,19 @@ struct MeshEdit {
 
 // How a blade has divided the tetrahedra that it met, for Topology::divide().
 struct TetDivision {
-  std::vector<Index> vertices;  // that are split: each gives one new vertex, numbered after all others
+  std::vector<Index> vertices;  // split vertices: each gives one new vertex, numbered after all others
   struct Part {
-    Index tet;  // itself, or a new one: these are numbered after all others, in this order
-    Index of;   // which was divided
+    Index tet;  // the divided tetrahedron, or a new one: these are numbered after all others, in this order
+    Index of;   // the divided tetrahedron
     Eigen::Vector4i corners;
     double share;
   };
   std::vector<Part> parts;  // all of each tetrahedron that was divided or has new corners
   struct Neighbours {
     Index tet = 0;
-    std::array<Index, 5> begin{};  // of each face, in others; and the end
+    std::array<Index, 5> begin{};  // begin of each face's in others; and the end
   };
-  std::vector<Neighbours> neighbours;  // of the parts, and of all next to them; ascending
+  std::vector<Neighbours> neighbours;  // neighbours of the parts, and of all next to them; ascending
   std::vector<Index> others;
   bool may_part = true;  // false: nothing has come off, there is no need to search
   std::span<const Index> across(const Neighbours& of, std::size_t face) const {
@@ -96,7 +96,7 @@ class Topology {
     return copy < 0 ? tet : parents_[copy];
   }
   Index tet_copy_count() const { return static_cast<Index>(parents_.size()); }
-  // Across the face opposite to a corner, the first if there are several; −1 on the boundary.
+  // The neighbour across the face opposite to a corner, the first if there are several; −1 on the boundary.
   Index neighbour(Index tet, int face) const { return std::max(neighbours_(face, tet), -1); }
   // The boundary as codes 4 × tetrahedron + corner opposite to the face, in no particular order.
   const std::vector<Index>& boundary_faces() const { return boundary_; }
@@ -171,14 +171,14 @@ class Topology {
   VertexColumns<Tets> tets_;
   VertexColumns<Tets>
       neighbours_;  // per face: the first other tetrahedron; on the boundary −1 − its place in boundary_
-  VertexLists<Across> more_;  // per tetrahedron, further ones across its faces; no lists until there is one
-  std::vector<std::uint8_t> has_more_;  // per tetrahedron, whether its list is not empty
+  VertexLists<Across> more_;            // further ones across its faces; no lists until there is one
+  std::vector<std::uint8_t> has_more_;  // whether the list of each tetrahedron has an item
   bool stars_are_whole_ = true;         // the tetrahedra around each vertex are connected by faces
   std::vector<std::uint8_t> alive_;
   Index alive_count_ = 0;
   VertexLists<Index> around_;
-  std::vector<Index> origins_;          // of the copies
-  std::vector<Index> parents_;          // of copied tetrahedra
+  std::vector<Index> origins_;          // originals of the copied vertices
+  std::vector<Index> parents_;          // originals of the copied tetrahedra
   std::vector<Index> found_by_;         // scratch of a search: per tetrahedron, −1 outside of it
   std::vector<Index> part_of_, front_;  // scratch of parts_around()
   std::vector<Index> boundary_;
@@ -187,12 +187,12 @@ class Topology {
 // The mesh that is left, renumbered without removed tetrahedra and orphans, in the old order.
 struct CompactMesh {
   TetMesh mesh;
-  std::vector<Index> vertex_source;  // per new vertex: its old number
+  std::vector<Index> vertex_source;  // old number of each new vertex
   std::vector<Index> tet_source;
-  std::vector<Index> vertex_target;  // per old vertex: its new number, −1 if orphan
+  std::vector<Index> vertex_target;  // new number of each old vertex, −1 for an orphan
   std::vector<Index> tet_target;
 };
 CompactMesh compact(const Topology& topology, const Mat3X<double>& points,  // 3 × topology.vertex_count() [m]
-                    const std::vector<int>& labels);  // per tetrahedron; none: all are 0
+                    const std::vector<int>& labels);  // label of each tetrahedron; none: all are 0
 
 }  // namespace lobe

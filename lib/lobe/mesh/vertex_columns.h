@@ -8,7 +8,7 @@
 
 namespace lobe {
 
-template <class Matrix>  // of a fixed number of rows
+template <class Matrix>  // Matrix: a type with a fixed number of rows
 class VertexColumns {
  public:
   using View = Eigen::Map<const Matrix>;
@@ -36,7 +36,7 @@ class VertexColumns {
   View view() const { return {padded_.data(), rows, count_}; }
   Eigen::Map<Matrix> view() { return {padded_.data(), rows, count_}; }
 
-  // The same with the spare columns, for code that takes a matrix and finds columns by the vertices' numbers.
+  // The columns with the spare ones, for code that takes a matrix and finds columns by the vertices' numbers.
   const Matrix& padded() const { return padded_; }
   Matrix& padded() { return padded_; }
 

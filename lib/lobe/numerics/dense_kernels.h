@@ -43,7 +43,7 @@ struct MatrixProduct {
   Real* C;     // column by column
   std::size_t stride;
 };
-inline constexpr Index product_depth = 192, product_height = 256;  // of the blocks of a product
+inline constexpr Index product_depth = 192, product_height = 256;  // blocks of a product
 inline std::size_t product_scratch(Index columns) {
   return std::size_t(product_depth) * std::size_t(product_height + columns + 8);
 }
@@ -53,10 +53,10 @@ struct DenseKernels {
   // Adds to y what the panels [begin, end) of a symmetric matrix make of x, both filled up to whole tiles.
   void (*symmetric_product)(const Real* tiles, SymmetricHalf shape, const Real* x, Index begin, Index end,
                             Real* y);
-  void (*add_product)(const MatrixProduct<Real>& product, Real* scratch);  // of product_scratch()
+  void (*add_product)(const MatrixProduct<Real>& product, Real* scratch);  // scratch: product_scratch()
 };
 
 template <class Real>
-DenseKernels<Real> dense_kernels(InstructionSet set);  // of an available set
+DenseKernels<Real> dense_kernels(InstructionSet set);  // `set`: an available one
 
 }  // namespace lobe

@@ -10,12 +10,12 @@ namespace lobe {
 
 struct HighestFrequency {
   double omega = 0;       // [rad/s], on the safe side: the last Ritz value plus its residual
-  int evaluations = 0;    // of all forces
+  int evaluations = 0;    // evaluations of all forces
   bool converged = true;  // the residual is below the tolerance
 };
 
 struct LanczosSettings {
-  double tolerance = 0.005;  // of ω: the residual that is left
+  double tolerance = 0.005;  // residual that is left, as a share of ω
   int most = 48;             // evaluations of all forces
 };
 
@@ -26,11 +26,11 @@ struct LanczosSettings {
 template <class Real>
 HighestFrequency highest_frequency(
     const std::vector<double>& inverse_mass,     // [1/kg], 0 where held
-    const std::function<double(Index)>& square,  // of a vertex: ω_v² [1/s²]
+    const std::function<double(Index)>& square,  // ω_v² of a vertex [1/s²]
     double small,                                // displacements at which forces are linear [m]
     const std::function<void(const Mat3X<Real>&, Mat3X<Real>&)>& add_forces,  // (u, f), both 3 × #vertices
     const LanczosSettings& settings = {},
-    // C of selective mass scaling, in place of the inverse masses: from forces to what accelerates these.
+    // C of selective mass scaling, in place of the inverse masses: turns forces into accelerations.
     const std::function<void(Mat3X<Real>&)>& scale = {});
 
 }  // namespace lobe

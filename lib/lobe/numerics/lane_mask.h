@@ -8,7 +8,7 @@
 
 namespace lobe {
 
-// Of each lane of a pack: all bits of its number, or none.
+// A mask of the lanes of a pack: all bits of a lane's number, or none.
 template <class T>
 struct LaneMask {
   using Bit = std::conditional_t<sizeof(typename T::value_type) == 8, std::int64_t, std::int32_t>;
@@ -22,7 +22,7 @@ LaneMask<T> is_less(const T& a, const T& b) {
   return a < b;
 }
 
-// a where the condition holds, else b.
+// Returns a where the condition holds, else b.
 inline double pick(bool condition, double a, double b) { return condition ? a : b; }
 template <class T>
 T pick(const LaneMask<T>& condition, const T& a, const T& b) {

@@ -15,14 +15,14 @@
 
 namespace lobe {
 
-// body(0), body(1) … body(n − 1), one after the other without a loop.
+// Calls body(0), body(1) … body(n − 1), one after the other without a loop.
 template <int n, class Body>
 [[gnu::always_inline]] inline void unrolled(Body&& body) {
   [&]<int... i>(std::integer_sequence<int, i...>) __attribute__((always_inline)) { (body(i), ...); }
   (std::make_integer_sequence<int, n>());
 }
 
-// A register of so many bytes. That number is a part of the type, so that units that are compiled for
+// A register of `bytes` bytes. That number is a part of the type, so that units that are compiled for
 // different instruction sets share no function of packs. Each operation acts lane by lane, in IEEE
 // arithmetic.
 template <std::floating_point Real, int bytes>
@@ -32,13 +32,13 @@ class BasicPack {
   static constexpr std::size_t size() { return bytes / sizeof(Real); }
 
   BasicPack() = default;
-  // The same value in each lane. Only a Real or an integer converts by itself.
+  // A pack of the same value in each lane. Only a Real or an integer converts by itself.
   template <class Number>
   requires std::is_arithmetic_v<Number>
   explicit(!std::same_as<Number, Real> && !std::same_as<Number, int>) BasicPack(Number value)
       : lanes_(Register{} + static_cast<Real>(value)) {}
-  explicit BasicPack(const Real* values) { copy_from(values); }  // size() of them, of any alignment
-  // value_of(0), value_of(1) … by the number of the lane, an int.
+  explicit BasicPack(const Real* values) { copy_from(values); }  // takes size() values, of any alignment
+  // The pack of value_of(0), value_of(1) … by the number of the lane, an int.
   template <std::invocable<int> ValueOf>
   explicit BasicPack(ValueOf&& value_of) {
     unrolled<int(size())>([&](int lane) { lanes_[lane] = value_of(lane); });
@@ -128,7 +128,7 @@ class PaddedVectors {
     }
   }
 
-  // To 4 × count numbers, of which that of a lane's vector start at offset(lane).
+  // Stores 4 × count numbers; those of a lane's vector start at offset(lane).
   static void store(const Eigen::Matrix<T, 3, 1>& v, Real* vectors) {
     if constexpr (count % 4 != 0) {
       for (int lane = 0; lane < count; ++lane)
@@ -173,7 +173,7 @@ class PaddedVectors {
     r = __builtin_shufflevector(a, b, i...);
   }
 
-  // In every group of four, numbers of a (0…3) and of b (4…7).
+  // Picks, in every group of four, numbers of a (0…3) and of b (4…7).
   template <int p, int q, int r, int s>
   static Register pick(const Register& a, const Register& b) {
     return picked<p, q, r, s>(a, b, std::make_integer_sequence<int, count>());

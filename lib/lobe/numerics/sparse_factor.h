@@ -17,16 +17,16 @@ class SparseFactor {
   virtual const char* name() const = 0;  // method and ordering, for reports
   virtual bool takes_indefinite() const = 0;
 
-  virtual void analyse(const Matrix& A) = 0;  // the ordering, for a pattern
+  virtual void analyse(const Matrix& A) = 0;  // finds the ordering for a pattern
   // A = L D Lᵀ for a matrix of the pattern analysed. False if A is singular to rounding or does not have
   // exactly `negative` negative eigenvalues.
   virtual bool factorise(const Matrix& A, Eigen::Index negative = 0) = 0;
-  virtual Eigen::Index size() const = 0;  // of A
+  virtual Eigen::Index size() const = 0;  // rows of A
   virtual Eigen::VectorXd solve(const Eigen::VectorXd& b) const = 0;
   virtual Eigen::MatrixXd solve_all(const Eigen::MatrixXd& B) const;  // column by column
-  // Rows × columns of A⁻¹, both by their numbers in A.
+  // Returns rows × columns of A⁻¹, both by their numbers in A.
   virtual Eigen::MatrixXd inverse_block(const std::vector<int>& rows, const std::vector<int>& columns) const;
-  virtual long long nonzeros() const = 0;  // of the factor
+  virtual long long nonzeros() const = 0;  // entries of the factor
 };
 
 using SparseFactorMaker = std::function<std::unique_ptr<SparseFactor>()>;

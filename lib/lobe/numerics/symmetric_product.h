@@ -17,12 +17,12 @@ class SymmetricProduct {
   explicit SymmetricProduct(InstructionSet set = chosen_instruction_set())
       : kernels_(dense_kernels<Real>(set)) {}
 
-  void set(const Eigen::Ref<const Eigen::MatrixXd>& S);  // of which the lower triangle is read
+  void set(const Eigen::Ref<const Eigen::MatrixXd>& S);  // reads the lower triangle of S
 
   Index size() const { return shape_.size; }
-  std::size_t bytes() const { return tiles_.size() * sizeof(Real); }  // read by a product
+  std::size_t bytes() const { return tiles_.size() * sizeof(Real); }  // bytes that a product reads
   std::vector<Real>& x() { return x_; }                               // at least size(), the rest stays 0
-  // S x. The same bits on any number of threads.
+  // Returns S x, with the same bits on any number of threads.
   const std::vector<Real>& multiply(Parallel& parallel);
 
  private:
@@ -31,7 +31,7 @@ class SymmetricProduct {
   DenseKernels<Real> kernels_;
   SymmetricHalf shape_;
   std::vector<Real> tiles_, diagonal_;
-  std::vector<Index> parts_ = {0};  // of the panels: where each begins, and the end
+  std::vector<Index> parts_ = {0};  // begin of each part in the panels, and the end
   std::vector<Real> x_, y_, sums_;  // y; y of each part
 };
 

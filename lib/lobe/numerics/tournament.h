@@ -1,4 +1,4 @@
-// The largest of many numbers of which some change now and then.
+// Finds the largest of many numbers of which some change now and then.
 #pragma once
 
 #include <algorithm>
@@ -11,7 +11,7 @@ namespace lobe {
 // A binary tree of maxima, root first: a change costs O(log n).
 class Tournament {
  public:
-  // n numbers ≥ 0, with room for a quarter more.
+  // Takes n numbers ≥ 0, with room for a quarter more.
   template <class Number>
   void assign(Index n, Number&& number) {
     for (leaves_ = 1; leaves_ < n + n / 4;) leaves_ *= 2;

@@ -44,7 +44,7 @@ class Display {
   // Makes a snapshot of this state with the surface, which must exist. Makes none if readers hold all slots.
   void publish(const Elements& elements, const StateView<Real>& state, const std::vector<PlacedTool>& tools,
                const std::vector<TermLines>& lines, const Report& report);
-  const TripleBuffer<Snapshot<Real>>& snapshots() const { return published_->buffer; }  // from any thread
+  const TripleBuffer<Snapshot<Real>>& snapshots() const { return published_->buffer; }  // for any thread
 
  private:
   struct Published {  // never moves in memory: others point to it

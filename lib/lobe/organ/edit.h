@@ -81,7 +81,7 @@ struct SetSprings {
   static constexpr auto fields = std::tuple(&SetSprings::springs);
 };
 
-// Moves the points of the springs: where they are at the end of the next frame, 3 × #springs [m]. They move
+// Sets where the points of the springs are at the end of the next frame, 3 × #springs [m]. They move
 // uniformly during the frame.
 struct MoveSprings {
   Mat3X<double> points;
@@ -95,7 +95,7 @@ struct MoveSprings {
 // order of the scene's stitches.
 
 struct BringThread {
-  int thread = 0;  // >= 0; none of this number may be there
+  int thread = 0;  // number ≥ 0 that no thread has
   ThreadMaterial material;
   bool operator==(const BringThread&) const = default;
   static constexpr auto fields = std::tuple(&BringThread::thread, &BringThread::material);
@@ -158,7 +158,7 @@ using Edit =
     std::variant<RemoveTets, SetRegion, Expand, Condense, Relinearise, SetMassDegree, KeepFull, SetForces,
                  SetSprings, MoveSprings, BringThread, Bite, Pull, Tie, CutThread, Attach, Detach>;
 
-// ---- What a body does by itself
+// ---- What a body does by itself, and its journal lists
 
 // What a blade has cut in one frame, step by step, by numbers of grains. Tetrahedra were divided once, after
 // the last step. The first one is empty; it marks when the grains were made.
@@ -171,7 +171,7 @@ struct Incise {
   static constexpr auto fields = std::tuple(&Incise::incisions);
 };
 
-// Which vertices were held from then on, where a pre-computed region depends on it.
+// Says which vertices were held from then on, where a pre-computed region depends on it.
 struct Hold {
   HeldVertices held;
   bool operator==(const Hold&) const = default;
@@ -181,8 +181,8 @@ struct Hold {
 // BeginCondensing: another thread begins to condense pre-computed regions from scratch. EndCondensing: the
 // result is used.
 struct BeginCondensing {
-  double due = 0;  // when EndCondensing follows [s]
-  // Relinearised about these, 3 × #vertices [m]; none: as before.
+  double due = 0;  // time when EndCondensing follows [s]
+  // Displacements about which the region is relinearised, 3 × #vertices [m]; none: as before.
   std::shared_ptr<const std::vector<double>> about = {};
   bool operator==(const BeginCondensing& other) const {
     return due == other.due && (about == other.about || (about && other.about && *about == *other.about));

@@ -22,7 +22,7 @@ class History {
   const JournalEntry& front() const { return *entries_.front(); }
 
   void push_back(JournalEntry entry) { entries_.push_back(share(std::move(entry))); }
-  // A later entry has replaced the effect of this one. The entries that follow keep their numbers.
+  // Says that a later entry has replaced the effect of this one. The entries that follow keep their numbers.
   void supersede(std::size_t i) {
     static const Shared superseded = share(Superseded{});
     entries_[i] = superseded;
@@ -76,7 +76,7 @@ std::uint64_t fingerprint(const Setup& setup);
 
 // What a world was built from, and what has been done since.
 struct Journal {
-  std::uint64_t setup = 0;  // fingerprint() of all that it was built from
+  std::uint64_t setup = 0;  // fingerprint() of the setup that it was built from
   History edits;            // BeginCondensing and EndCondensing are Superseded, except the last ones
 };
 

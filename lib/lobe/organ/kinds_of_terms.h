@@ -13,7 +13,7 @@ namespace lobe {
 
 template <class Real>
 struct KindOfTerm {
-  std::string_view name;  // of its terms; a world has at most one of each kind
+  std::string_view name;  // name of its terms; a world has at most one of each kind
   std::shared_ptr<ForceTerm<Real>> (*make)(const Setup& setup);
   // Whether a world with this setup and these tools in the next frame needs one. Without need, a command or a
   // checkpoint may still ask for one.
@@ -23,6 +23,6 @@ struct KindOfTerm {
 template <class Real>
 std::span<const KindOfTerm<Real>> kinds_of_terms();
 template <class Real>
-const KindOfTerm<Real>* find_kind_of_term(std::string_view name);  // null: there is none of this name
+const KindOfTerm<Real>* find_kind_of_term(std::string_view name);  // null: no kind has this name
 
 }  // namespace lobe

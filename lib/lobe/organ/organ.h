@@ -4,7 +4,7 @@
 //
 // An edit is a Change, which is made in one place (edit) and followed in one list (follow): first velocities
 // are brought up to the displacements and what follows others is recovered, so that nothing is lost where
-// vertices change what they follow. What kinds of regions wish for is a list as well (wishes.cpp).
+// vertices change what they follow. The wishes of kinds of regions are a list as well (wishes.cpp).
 #pragma once
 
 #include <functional>
@@ -39,7 +39,7 @@ class Organ {
  public:
   Organ(const Setup& setup, int threads, const Progress& progress);
 
-  // ---- Edits. They throw InputError for what cannot be done, and then have changed nothing.
+  // ---- Edits. Each throws InputError for what cannot be done, and then changes nothing.
 
   void perform(const RemoveTets& edit) { remove_tets(edit.tets); }
   void perform(const SetRegion& edit);
@@ -73,14 +73,14 @@ class Organ {
   void prepare_blades();
   struct Cut {
     std::vector<BladeWork::Step> steps;
-    double area = 0;                // opened, at rest [m²]
-    Index copied = 0, removed = 0;  // tetrahedra
+    double area = 0;                // area that was opened, at rest [m²]
+    Index copied = 0, removed = 0;  // numbers of tetrahedra
   };
   Cut cut(const BladeMove& move);
-  void incise(const std::vector<Incision>& incisions);  // those that a blade has made in an equal body
+  void incise(const std::vector<Incision>& incisions);  // as a blade has made them in an equal body
   Index burn(const SweptVolume& volume);  // removes the tetrahedra that meet it; returns how many went
-  void close(const ClipClosure& clip);    // on what lies between its legs
-  // Before tools burn and cut: what force terms have there, and is no tissue, goes.
+  void close(const ClipClosure& clip);    // closes on what lies between the clip's legs
+  // Call it before tools burn and cut: force terms lose what they have there and is no tissue.
   void sever(const SweptVolume& volume);
   void sever(const BladeMove& move);
 
@@ -91,15 +91,15 @@ class Organ {
   // Shows force terms the tools that exist in the frame; shows them the body.
   void show_tools(std::span<const ToolBody> bodies);
   void show_body();
-  // Before terms are asked for forces or stiffness: they see the body that edits have left since they saw it,
-  // as those of a restored organ do, and vertices that follow others where these now are.
+  // Call it before terms are asked for forces or stiffness: they see the body that edits have left since they
+  // saw it, as those of a restored organ do, and vertices that follow others where these now are.
   void refresh_terms();
-  void show_body_anew() {  // the same, whatever they have seen
+  void show_body_anew() {  // shows it whatever they have seen
     shown_ = {};
     refresh_terms();
   }
-  void end_step(double dt);  // of central differences: tells what follows the motion how far it went
-  // One more step was made, in which no vertex moved further than `distance` [m] apart from rounding.
+  void end_step(double dt);  // tells what follows the motion how far it went in a step of central differences
+  // Says that one more step was made: no vertex moved further than `distance` [m] in it apart from rounding.
   void moved(double distance, double rounding) { groups_.moved(distance, rounding); }
 
   // Reports what the steps of a frame have evaluated and changed.
@@ -110,7 +110,7 @@ class Organ {
   StateView<Real> state();
   Eigen::Map<const Mat3X<Real>> displacements();
   void set_state(const State<Real>& state);
-  static void check(const State<Real>& state);  // throws InputError for what no body can be in
+  static void check(const State<Real>& state);  // throws InputError for a state that no body can be in
   // Gives vertices the roles of a checkpoint, and nodes its state.
   void take_nodes(const typename Regions<Real>::State& nodes, const State<Real>& state);
   // Takes from an organ of the same setup what no checkpoint has: force terms, what was found out about
@@ -119,10 +119,10 @@ class Organ {
   // The term of a kind that an organ makes by itself. It exists from the first call on. Forces of terms are
   // added in one order, whichever exist: those of these kinds first, in the order of the kinds.
   ForceTerm<Real>& own_term(std::string_view name);
-  // A force on a vertex that follows others had no effect in a frame.
+  // Reports that a force on a vertex that follows others had no effect in a frame.
   void report_unseen_force(Index vertex);
   // Brings pre-computed regions into the mode of another organ, which is linearised about the same
-  // displacements; `vertices`: of that one, for each of this one.
+  // displacements; `vertices`: the number in the other one of each vertex of this one.
   void take_mode(const Organ& other, const std::vector<Index>& vertices);
   void notice(Condition::Kind kind, const std::string& text) {
     unreported_.conditions.push_back({kind, text, time()});
@@ -132,9 +132,9 @@ class Organ {
   const Elements& elements() const { return body_.model.elements; }
   const Grains* grains() const { return blades_.grains(); }  // null: no blade has cut
   const HeldVertices& held() const { return body_.model.held; }
-  const Setup& setup() const { return setup_; }  // without the mesh and its materials
+  const Setup& setup() const { return setup_; }  // all but the mesh and its materials
   const Journal& journal() const { return journal_; }
-  Setup initial_setup() const;                        // before all edits, without copies
+  Setup initial_setup() const;                        // the setup before all edits, without copies
   Setup current_setup(CompactMesh& compacted) const;  // World::current_setup()
 
   // ---- Its parts, on which a world takes steps, and which it shows and stores
@@ -205,14 +205,14 @@ class Organ {
   Index treat_loose(const std::vector<std::vector<Index>>& pieces);
   void freeze(const std::vector<Index>& piece);
   void check_tets(const std::vector<Index>& tets) const;
-  // Computes where vertices are that follow others, before a tool searches them.
+  // Computes where vertices that follow others are, before a tool searches them.
   void see_interior();
-  std::vector<Index> meeting_as_seen(const SweptVolume& volume);  // the tetrahedra that meet it, ascending
+  std::vector<Index> meeting_as_seen(const SweptVolume& volume);  // tetrahedra that meet it, ascending
 
   // ---- Blades
 
   void start_blades();
-  bool has_floor() const { return !implicit_ && setup_.cut_step > 0; }  // of masses, once a blade cuts
+  bool has_floor() const { return !implicit_ && setup_.cut_step > 0; }  // masses have a floor
   void begin_floor();
   typename Blades::BodyNow body_now();
   void make_way(const BladeMove& move);
@@ -263,15 +263,15 @@ class Organ {
   Unravelling unravelling_;
   Pieces pieces_;
   BladeWork blades_;
-  TetGroups groups_;                                // of tetrahedra, for searches
-  std::uint64_t jumps_ = 0;                         // Revisions::jumps that groups_ knows
-  Revisions seen_{.structure = ~std::uint64_t(0)};  // when what follows others was looked at last
+  TetGroups groups_;                                // groups of tetrahedra, for searches
+  std::uint64_t jumps_ = 0;                         // Revisions::jumps up to which groups_ knows the motion
+  Revisions seen_{.structure = ~std::uint64_t(0)};  // revisions at the last look at what follows others
   std::unique_ptr<ImplicitDynamics> implicit_;      // none: central differences
   WishMemory wish_memory_;
   Unreported unreported_;
   Display<Real> display_;
-  Shown shown_;                      // of the body, when force terms saw it last
-  std::map<int, double> softening_;  // of contact, per degree of selective masses; those that were found
+  Shown shown_;                      // what force terms saw of the body last
+  std::map<int, double> softening_;  // softening of contact found so far, per degree of selective masses
 };
 
 extern template class Organ<float>;

@@ -8,9 +8,9 @@ namespace lobe {
 class Pieces {
  public:
   struct State {  // part of a checkpoint
-    std::vector<Index>
-        piece_of;  // per tetrahedron: the piece it belonged to at the start, or since; none: all to 0
-    std::vector<std::uint8_t> was_held;  // per piece
+    // The piece to which each tetrahedron belonged at the start, or since; empty: all to piece 0.
+    std::vector<Index> piece_of;
+    std::vector<std::uint8_t> was_held;  // flag of each piece
     static constexpr auto fields = std::tuple(&State::piece_of, &State::was_held);
   };
 
@@ -29,7 +29,7 @@ class Pieces {
     if (state_.piece_of.empty()) return;
     for (const TetCopy& tet_copy : edit.copies) state_.piece_of.push_back(state_.piece_of[tet_copy.tet]);
   }
-  // The same after a grasp or a release.
+  // Returns the pieces that a grasp or a release has set loose.
   std::vector<std::vector<Index>> loosened(Model& model) {
     return judge(model, model.elements.topology.pieces());
   }

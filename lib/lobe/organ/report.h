@@ -53,31 +53,31 @@ struct Transitions {
       std::tuple(&Transitions::count, &Transitions::kinetic, &Transitions::elastic, &Transitions::loads);
 };
 
-struct Unreported {  // what edits have found since the last report
+struct Unreported {  // findings of edits since the last report
   std::vector<Condition> conditions;
   std::vector<Event> events;
   Transitions transitions;
-  bool in_transition = false;  // energies are compared around one
+  bool in_transition = false;  // whether energies are compared around a transition
 };
 
 struct Report {
   bool ok = true;  // false: the world could not be advanced
   int steps = 0;
-  double time_step = 0;  // the smallest that was taken [s]
+  double time_step = 0;  // smallest step that was taken [s]
   // The longest stable step, at the frame's start or up to StepLimit::interval earlier [s].
   // smallest_volume_ratio is found with it.
   double time_step_limit = 0;
   Index limiting_vertex = -1;  // the vertex that sets the limit; one of them if there are several
-  int reruns = 0;              // of the frame, with smaller steps
+  int reruns = 0;              // repeats of the frame, with smaller steps
   Index tets_removed = 0;
-  Index tets_copied = 0;  // by blades
-  double cut_area = 0;    // opened by blades, at rest [m²]
-  double mass_added = 0;  // since the start, where blades have cut, to keep the time step [kg]
-  long long patches_evaluated = 0, patches_skipped = 0;  // in all evaluations; skipped: asleep
+  Index tets_copied = 0;  // tetrahedra that blades have copied
+  double cut_area = 0;    // area that blades have opened, at rest [m²]
+  double mass_added = 0;  // mass added since the start where blades have cut, to keep the time step [kg]
+  long long patches_evaluated = 0, patches_skipped = 0;  // sums over all evaluations; skipped: asleep
   double smallest_volume_ratio = 1;           // the least det F of non-linear tetrahedra and lattice cells
-  Transitions transitions;                    // of reduced regions, since the last report
-  std::array<double, phase_count> seconds{};  // of wall time per phase
+  Transitions transitions;                    // transitions of reduced regions since the last report
+  std::array<double, phase_count> seconds{};  // wall time of each phase
   std::vector<Condition> conditions;
-  std::vector<Event> events;  // what tore, broke, burnt, was clipped, bleeds and leaks in it
+  std::vector<Event> events;  // what tore, broke, burnt, was clipped, bleeds and leaks in the frame
 };
 }  // namespace lobe

@@ -13,11 +13,11 @@ namespace lobe {
 struct TouchExpansion {
   static constexpr double patience = 0.5;  // untouched for so long, it is condensed again [s]
   bool has_expanded = false;
-  bool is_lost = false;  // the report has said that forces have no effect
-  double last = 0;       // [s]
+  bool is_lost = false;  // whether the report has said that forces have no effect
+  double last = 0;       // time of the last touch [s]
 
   // Returns what the world must do now. `is_pressed`: whether a force acts on the interior of the region.
-  // `time`: of the world [s]. report: say once that such forces have no effect, as it cannot be expanded.
+  // `time`: time of the world [s]. report: say once that such forces have no effect: it cannot be expanded.
   enum class Answer { nothing, expand, condense, report };
   template <class Real>
   Answer follow(const Regions<Real>& regions, bool is_pressed, double time) {

@@ -1,5 +1,5 @@
-// What couples tetrahedra of a body beyond the vertices that they share: the nodes of averaged pressures, of
-// plain tetrahedra and of smoothing domains, and the domains themselves.
+// What couples tetrahedra of a body beyond the vertices that they share: smoothing domains, and the nodes of
+// averaged pressures, of plain tetrahedra and of domains.
 #pragma once
 
 #include "lobe/region/edge_pressures.h"
@@ -11,7 +11,7 @@ struct Averages {
   explicit Averages(const Elements& elements)
       : nodes(elements), edges(elements), edge_pressures(elements, edges) {}
 
-  PressureNodes nodes;  // of plain tetrahedra
+  PressureNodes nodes;  // nodes of plain tetrahedra
   SmoothedEdges edges;
   EdgePressures edge_pressures;
 };

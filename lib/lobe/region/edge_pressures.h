@@ -20,7 +20,7 @@ class EdgePressures {
   static constexpr Index none = 0;  // node of domains that take no part: no volume, no pressure
 
   EdgePressures() = default;
-  EdgePressures(const Elements& elements, const SmoothedEdges& edges);  // of all domains
+  EdgePressures(const Elements& elements, const SmoothedEdges& edges);  // takes all domains
 
   // Follows domains that are new, have changed or are gone.
   void follow(const Elements& elements, const SmoothedEdges& edges, const std::vector<Index>& changed);
@@ -62,13 +62,13 @@ class EdgePressures {
   Index node_at(Index vertex, const SmoothedEdge& edge, double lambda);
   void update(const SmoothedEdges& edges, Index node);
 
-  VertexLists<Index> nodes_at_;  // per vertex: one node per material
+  VertexLists<Index> nodes_at_;  // nodes at each vertex, one per material
   VertexLists<Index> edges_of_{std::vector<Index>{0}};
   std::vector<Index> vertex_{-1}, unused_;
   std::vector<std::uint16_t> material_{0};
   std::vector<double> volume_{0}, lambda_{0}, scale_{0};  // scale: χλ/2V_n [Pa/m³]
-  std::vector<std::array<Index, 2>> nodes_;               // per domain
-  std::vector<MaterialLaw> laws_;                         // per domain
+  std::vector<std::array<Index, 2>> nodes_;               // nodes of each domain
+  std::vector<MaterialLaw> laws_;                         // law of each domain
 };
 
 // p_e [Pa] of every domain, 0 where it takes no part. O(#domains).

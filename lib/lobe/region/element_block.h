@@ -22,7 +22,7 @@ struct alignas(64) ElementBlock {
 // One for each ElementBlock, if nodal pressure is used.
 template <class Real>
 struct alignas(64) PressureBlock {
-  std::array<std::array<Index, ElementBlock<Real>::width>, 4> nodes{};  // of the four corners
+  std::array<std::array<Index, ElementBlock<Real>::width>, 4> nodes{};  // nodes of the four corners
 };
 
 // One for each ElementBlock, if a material has fibres.

@@ -24,9 +24,9 @@ class PressureNodes {
   static constexpr Index none = 0;  // node of the corners that take no part: no volume, no pressure
 
   PressureNodes() = default;
-  explicit PressureNodes(const Elements& elements);  // of all that is alive
+  explicit PressureNodes(const Elements& elements);  // takes all that is alive
 
-  // Tetrahedra that left, then those that entered, as in RegionEdit. O(tetrahedra around them).
+  // Follows tetrahedra that left, then those that entered, as in RegionEdit. O(tetrahedra around them).
   void follow(const Elements& elements, const std::vector<Index>& leave, const std::vector<Index>& enter);
 
   Index count() const {
@@ -69,7 +69,7 @@ class PressureNodes {
   Index node_at(Index vertex, std::uint16_t material, double lambda);
   void update(const Elements& elements, Index node);
 
-  VertexLists<Index> nodes_at_;  // per vertex: one node per material
+  VertexLists<Index> nodes_at_;  // nodes at each vertex, one per material
   VertexLists<Index> tets_of_{std::vector<Index>{0}};
   std::vector<Index> vertex_{-1}, unused_;
   std::vector<std::uint16_t> material_{0};

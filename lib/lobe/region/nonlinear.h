@@ -28,7 +28,7 @@ class NonlinearRegion {
     smoothed_.add_forces(u, f, parallel);
   }
 
-  template <class Visit>  // visit(layout, sums), of plain and of smoothed tetrahedra
+  template <class Visit>  // visit(layout, sums): plain tetrahedra, then smoothed ones
   void visit_patches(Visit&& visit) {
     elements_.visit_patches(visit);
     smoothed_.visit_patches(visit);

@@ -17,7 +17,7 @@
 
 namespace lobe {
 
-inline constexpr Index patch_vertices = 256;  // the most that share a patch: numbered by one byte
+inline constexpr Index patch_vertices = 256;  // most vertices of a patch: one byte numbers them
 inline constexpr int any_number = 0;          // of vertices per item
 
 // Reserves room for the patches that cuts add, so that cuts seldom copy the array. The room takes no memory
@@ -44,9 +44,9 @@ class PatchLayout {
     std::uint16_t kind = 0;
   };
   struct Patch {
-    Index items = 0;     // in slots from capacity × its number on, without gaps
+    Index items = 0;     // number of items, in slots from capacity × its number on, without gaps
     Index vertices = 0;  // numbers handed out, from 0 on: those in use, and those to be used again
-    Index free = 0;      // of these, not in use
+    Index free = 0;      // numbers that are not in use
     std::uint16_t kind = 0;
   };
 
@@ -61,7 +61,7 @@ class PatchLayout {
   std::span<const Index> vertices_of(Index p) const {
     return {vertices(p), std::size_t(patches_[p].vertices)};
   }
-  // Per vertex of the mesh: its places, patch_vertices × patch + number there.
+  // The places of each vertex of the mesh: patch_vertices × patch + number there.
   const VertexLists<Index>& places() const { return places_; }
   // The vertices that have places, or had some.
   const std::vector<Index>& used_vertices() const { return used_; }
@@ -69,7 +69,7 @@ class PatchLayout {
 
   // Makes room for the vertices and ids that are new.
   void resize(Index vertex_count, Index id_count);
-  void enter(const std::vector<Item>& items, const Mat3X<double>& points);  // of the vertices [m]
+  void enter(const std::vector<Item>& items, const Mat3X<double>& points);  // points: 3 × #vertices [m]
   // Items that are here and get other corners keep their slots if their patches have numbers for these.
   // Returns the others, and those that are new. Call it before these leave.
   template <class CornersIn>  // corners_in(slot): LocalCorners
@@ -93,7 +93,7 @@ class PatchLayout {
  private:
   struct Near {
     Index patch;
-    Index vertices;  // of an item, that it has
+    Index vertices;  // vertices of the item that it has
   };
   void fill_new_patches(const std::vector<Item>& items, const Mat3X<double>& points);
   void list_places(Index first_patch);
@@ -111,20 +111,20 @@ class PatchLayout {
   void put(Index p, const Item& item);
 
   std::vector<Patch> patches_;
-  std::vector<Index> vertex_;        // per place
-  std::vector<std::uint16_t> uses_;  // per place: corners of items
+  std::vector<Index> vertex_;        // vertex of each place
+  std::vector<std::uint16_t> uses_;  // corners of items at each place
   VertexLists<Index> places_;
   std::vector<Index> used_;
-  std::vector<bool> is_used_;           // per vertex
-  std::vector<Index> id_of_, slot_of_;  // per slot; per id
+  std::vector<bool> is_used_;           // flag of each vertex
+  std::vector<Index> id_of_, slot_of_;  // id of each slot; slot of each id
   std::vector<Near> around_;            // scratch of patch_for()
   std::vector<Index> empty_;            // patches, some of which may have been filled again
-  std::vector<bool> is_kept_;           // per id, in the last edit
+  std::vector<bool> is_kept_;           // ids kept in the last edit
   Index open_ = -1;                     // patch that takes what fits nowhere else
   Index item_count_ = 0;
 };
 
-// The items of those tetrahedra that are of this model, by material.
+// Returns the items of those tetrahedra that are of this model, by material.
 std::vector<PatchLayout<4>::Item> items_of(RegionModel model, const Elements& elements,
                                            const std::vector<Index>& tets);
 

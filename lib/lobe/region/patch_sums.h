@@ -18,7 +18,7 @@ struct SmallestVolumeRatio {  // det F over a region
   Index smallest_tet = -1;
 };
 
-struct PatchCount {  // of all evaluations
+struct PatchCount {  // patches over all evaluations
   long long evaluated = 0, skipped = 0;
 };
 
@@ -27,7 +27,7 @@ class PatchSums {
  public:
   using Vector = PaddedVector<Real>;
   using LocalVectors = std::array<Vector, std::size_t(patch_vertices)>;
-  static constexpr Index patches_at_once = 8;  // on one thread: fewer are done before another has woken
+  static constexpr Index patches_at_once = 8;  // patches per thread: fewer are done before another has woken
 
   void resize(Index patches) { resize_with_room(sums_, std::size_t(patches) * patch_vertices); }
 
@@ -40,9 +40,9 @@ class PatchSums {
     }
   }
 
-  // Right after add_forces(): patches whose vertices are all `still` keep their sums until forget().
+  // Call it right after add_forces(): patches whose vertices are all `still` keep their sums until forget().
   template <class Layout>
-  void keep(const Layout& layout, const std::vector<std::uint8_t>& still) {  // per vertex
+  void keep(const Layout& layout, const std::vector<std::uint8_t>& still) {  // still: one flag per vertex
     keeps_ = true;
     awake_.clear();
     for (Index p = 0; p < layout.patch_count(); ++p) {
@@ -67,7 +67,7 @@ class PatchSums {
   void forget() { keeps_ = false; }
   const PatchCount& count() const { return count_; }
 
-  // evaluate(patch, its displacements [m], sums of forces [N]), for each patch that does not keep them.
+  // Calls evaluate(patch, its displacements [m], sums of forces [N]) for each patch that does not keep them.
   template <class Layout, class Evaluate>
   void add_forces(const Layout& layout, const Mat3X<Real>& u, Mat3X<Real>& f, Parallel& parallel,
                   Evaluate&& evaluate) {
@@ -107,10 +107,10 @@ class PatchSums {
     }
   }
 
-  std::vector<Vector> sums_;  // per place [N]
+  std::vector<Vector> sums_;  // sum of each place [N]
   bool keeps_ = false;
-  std::vector<Index> awake_;   // if so: patches
-  std::vector<Index> summed_;  // vertices
+  std::vector<Index> awake_;   // patches that do not keep their sums
+  std::vector<Index> summed_;  // vertices at which forces are added meanwhile
   PatchCount count_;
 };
 

@@ -57,15 +57,15 @@ class Patches {
 
   WideKernels<Real> kernels_;
   Layout layout_;
-  std::vector<Law<double>> laws_;  // per material
+  std::vector<Law<double>> laws_;  // law of each material
   std::vector<Block> blocks_;      // patch_blocks per patch
   PatchSums<Real> sums_;           // scratch
   std::vector<Real> ratios_;       // scratch: smallest det F per patch
 
-  bool fibres_ = false;  // of any material; without, there are no blocks
+  bool fibres_ = false;  // whether a material has fibres; without, there are no blocks
   std::vector<Fibres> fibre_blocks_;
 
-  bool nodal_pressure_ = false;  // of any material; without, the rest is empty
+  bool nodal_pressure_ = false;  // whether a material has nodal pressure; without, the rest is empty
   PressureNodes nodes_;
   std::vector<Pressures> pressure_blocks_;
   std::vector<Real> volume_strain_;  // scratch: V tr E per tetrahedron [m³]

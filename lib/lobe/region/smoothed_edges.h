@@ -15,20 +15,20 @@ namespace lobe {
 class SmoothedEdges {
  public:
   SmoothedEdges() = default;
-  // Of all tetrahedra that are alive, or of those of one model.
+  // Makes the domains of all tetrahedra that are alive, or of those of one model.
   explicit SmoothedEdges(const Elements& elements, std::optional<RegionModel> only = {});
 
-  // Tetrahedra that left, then those that entered, as in RegionEdit; of the latter, only those of one model,
-  // if one is given. Returns the domains that are new, have changed or are gone, and adds them to `before` as
+  // Follows tetrahedra that left, then those that entered, as in RegionEdit; if a model is given, only its
+  // own enter. Returns the domains that are new, have changed or are gone, and adds them to `before` as
   // they were. O(tetrahedra around them).
   std::vector<Index> follow(const Elements& elements, const std::vector<Index>& leave,
                             const std::vector<Index>& enter, std::optional<RegionModel> only = {},
                             std::vector<SmoothedEdge>* before = nullptr);
 
-  // Numbers not in use included: their domains have no volume.
+  // Their count; numbers not in use are included: their domains have no volume.
   Index count() const { return static_cast<Index>(edges_.size()); }
   bool any() const { return edges_.size() > unused_.size(); }
-  Eigen::Matrix<Index, 6, 1> of(Index tet) const {  // its domains; −1 if it takes no part
+  Eigen::Matrix<Index, 6, 1> of(Index tet) const {  // domains of a tetrahedron; −1 if it takes no part
     if (tet >= of_.cols()) return Eigen::Matrix<Index, 6, 1>::Constant(-1);
     return of_.col(tet);
   }
@@ -40,9 +40,9 @@ class SmoothedEdges {
   void drop(Index edge);
 
   std::vector<SmoothedEdge> edges_;
-  VertexLists<Index> tets_of_;                  // per domain
-  VertexLists<Index> edges_at_;                 // per vertex: those of which it is the lower end
-  Eigen::Matrix<Index, 6, Eigen::Dynamic> of_;  // per tetrahedron; −1 if it takes no part
+  VertexLists<Index> tets_of_;                  // tetrahedra of each domain
+  VertexLists<Index> edges_at_;                 // domains of which a vertex is the lower end
+  Eigen::Matrix<Index, 6, Eigen::Dynamic> of_;  // domains of each tetrahedron; −1 if it takes no part
   std::vector<Index> unused_;
 };
 

@@ -17,22 +17,22 @@ struct alignas(64) SmoothedBlock {
   using Row = typename ElementBlock<Real>::Row;
 
   Row V{};             // [m³], zero in empty lanes
-  Index vertices = 1;  // the most of a domain
+  Index vertices = 1;  // most vertices of a domain
   Index first = 0;     // row of gradients of the second vertex
-  Index places = 0;    // for tetrahedra, between the vertices of chains (tet_owners.h)
+  Index places = 0;    // places for tetrahedra, between the vertices of chains (tet_owners.h)
   Index chain = 0;     // ChainRow of the second vertex, if there are places
 };
 
-// Of one vertex of each domain of a block. A domain with fewer vertices repeats its first, with gradient 0.
+// One vertex of each domain of a block. A domain with fewer vertices repeats its first, with gradient 0.
 template <class Real>
 struct alignas(64) GradientRow {
   std::array<typename ElementBlock<Real>::Row, 3> b{};  // [1/m]
 };
-// Of one vertex of the chain of each domain of a block: the second vertex, then the chain (TetChain).
+// One vertex of the chain of each domain of a block: the second vertex, then the chain (TetChain).
 template <class Real>
 struct alignas(64) ChainRow {
-  std::array<typename ElementBlock<Real>::Row, 3> X{};    // from the domain's first vertex, at rest [m]
-  typename ElementBlock<Real>::Row six_V{}, per_six_V{};  // of the tetrahedron that ends here [m³]; 0: none
+  std::array<typename ElementBlock<Real>::Row, 3> X{};    // place from the domain's first vertex, at rest [m]
+  typename ElementBlock<Real>::Row six_V{}, per_six_V{};  // volume of the tetrahedron that ends here [m³]
 };
 // A vertex by the number n that a patch gives it, kept as 4n: where its PaddedVector begins.
 struct PaddedPlace {
@@ -49,7 +49,7 @@ using NumberRow = std::array<PaddedPlace, std::size_t(ElementBlock<Real>::width)
 // One for each SmoothedBlock, if a material has nodal pressure.
 template <class Real>
 struct alignas(64) EndNodeRows {
-  std::array<std::array<Index, std::size_t(ElementBlock<Real>::width)>, 2> nodes{};  // of both ends
+  std::array<std::array<Index, std::size_t(ElementBlock<Real>::width)>, 2> nodes{};  // nodes of both ends
 };
 // ∇u of each domain of a block, column by column.
 template <class Real>
@@ -64,14 +64,14 @@ template <class Real>
 struct SmoothedArrays {  // one patch: all its domains are of one material
   const SmoothedBlock<Real>* blocks;
   Index block_count;
-  const GradientRow<Real>* gradients;    // of all vertices but the first
-  const NumberRow<Real>* numbers;        // of all vertices, as the patch numbers them
-  const ChainRow<Real>* chains;          // of blocks that have tetrahedra
+  const GradientRow<Real>* gradients;    // gradients of all vertices but the first
+  const NumberRow<Real>* numbers;        // numbers of all vertices in the patch
+  const ChainRow<Real>* chains;          // chains of the blocks that have tetrahedra
   const FibreBlock<Real>* fibre_blocks;  // null where no material has fibres
   const EndNodeRows<Real>* node_rows;    // null where no material has nodal pressure
-  const Real* pressure;                  // per node [Pa]
-  const PaddedVector<Real>* u;           // per vertex of the patch [m]
-  const DomainGradients<Real>* H;        // per block, where they are known; else null
+  const Real* pressure;                  // pressure of each node [Pa]
+  const PaddedVector<Real>* u;           // displacement of each vertex of the patch [m]
+  const DomainGradients<Real>* H;        // gradient of each block where it is known; else null
   Law<Real> law;  // without its pressure and direction; volume term and guard are those of tetrahedra
   Strain strain;
 };
@@ -104,6 +104,6 @@ struct SmoothedKernels {
 };
 
 template <class Real>
-SmoothedKernels<Real> smoothed_kernels(InstructionSet set);  // of an available set
+SmoothedKernels<Real> smoothed_kernels(InstructionSet set);  // `set`: an available one
 
 }  // namespace lobe

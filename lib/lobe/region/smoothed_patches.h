@@ -26,9 +26,9 @@ class SmoothedPatches {
                   Mat3X<Real>& f,        // 3 × #vertices [N]
                   Parallel& parallel);
   double energy(const Mat3X<Real>& u);                                                          // [J]
-  void add_diagonal_stiffness(const Mat3X<Real>& u, DiagonalStiffness& K, Parallel& parallel);  // at u
+  void add_diagonal_stiffness(const Mat3X<Real>& u, DiagonalStiffness& K, Parallel& parallel);  // for u
 
-  std::size_t bytes() const;  // of the blocks that forces are evaluated from
+  std::size_t bytes() const;  // size of the blocks that forces are evaluated from
 
   template <class Visit>  // visit(layout, sums)
   void visit_patches(Visit&& visit) {
@@ -47,7 +47,7 @@ class SmoothedPatches {
     std::vector<ChainRow<Real>> chains;        // none if no domain owns tetrahedra
     std::vector<FibreBlock<Real>> fibres;      // none where no material has fibres
     std::vector<EndNodeRows<Real>> node_rows;  // none where no material has nodal pressure
-    std::vector<Index> edges;                  // in the order of lanes
+    std::vector<Index> edges;                  // edges in the order of lanes
   };
 
   void set_laws(const Elements& elements, RegionModel model);
@@ -68,15 +68,15 @@ class SmoothedPatches {
   SmoothedKernels<Real> kernels_;
   Strain strain_;
   SmoothedEdges edges_;
-  bool has_tets_ = false;  // that have a volume term or a guard; without, no domain owns any
+  bool has_tets_ = false;  // whether tetrahedra have a volume term or a guard; without, no domain owns any
   TetOwners owners_;
   Layout layout_;
-  std::vector<Law<double>> laws_;              // per material
-  std::vector<Layout::LocalCorners> corners_;  // per slot
+  std::vector<Law<double>> laws_;              // law of each material
+  std::vector<Layout::LocalCorners> corners_;  // corners of each slot
   std::vector<Patch> patches_;
   PatchSums<Real> sums_;         // scratch
-  bool fibres_ = false;          // of any material
-  bool nodal_pressure_ = false;  // of any material; without, the rest is empty
+  bool fibres_ = false;          // whether a material has fibres
+  bool nodal_pressure_ = false;  // whether a material has nodal pressure; without, the rest is empty
   EdgePressures pressures_;
   std::vector<DomainGradients<Real>> gradients_;  // scratch: ∇u, patch_blocks per patch
   std::vector<Real> volume_strain_;               // scratch: V tr E per domain [m³]

@@ -25,7 +25,7 @@ class TensorMassRegion {
   // Sums again the blocks of the edges of an edit, from the tetrahedra that are left around them.
   void follow(const Elements& elements, const RegionEdit& edit);
 
-  Index tet_count() const { return tet_count_; }  // plain ones
+  Index tet_count() const { return tet_count_; }  // number of plain ones
   Index edge_count() const { return layout_.item_count(); }
 
   void add_forces(const Mat3X<Real>& u,  // 3 × #vertices [m]
@@ -37,7 +37,7 @@ class TensorMassRegion {
     smoothed_.visit_patches(visit);
   }
   double energy(const Mat3X<Real>& u);  // [J]
-  // No det F is of interest.
+  // The smallest det F is not found: the model does not depend on it.
   SmallestVolumeRatio add_diagonal_stiffness(const Mat3X<Real>& u, DiagonalStiffness& K, Parallel& parallel);
 
  private:
@@ -65,10 +65,10 @@ class TensorMassRegion {
   Layout layout_;
   std::vector<Block> blocks_;  // patch_blocks per patch
   PatchSums<Real> sums_;
-  VertexLists<Neighbour> neighbours_;  // per vertex: those of higher numbers
-  std::vector<Index> unused_;          // numbers of edges
-  Index edge_numbers_ = 0;             // in use or not
-  std::vector<std::uint8_t> member_;   // per tetrahedron
+  VertexLists<Neighbour> neighbours_;  // neighbours of higher numbers, per vertex
+  std::vector<Index> unused_;          // numbers of edges that are free
+  Index edge_numbers_ = 0;             // numbers of edges, in use or not
+  std::vector<std::uint8_t> member_;   // flag of each tetrahedron
   Index tet_count_ = 0;
   SmoothedPatches<Real> smoothed_;
 };

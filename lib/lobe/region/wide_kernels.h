@@ -9,8 +9,8 @@
 
 namespace lobe {
 
-// Whether the guard of the law is left out (off), is left out and the smallest det F is returned (asked), or
-// acts.
+// What the kernel does with the guard of the law: leaves it out (off), leaves it out and returns the smallest
+// det F (asked), or evaluates it (acting).
 enum class Guarding { off, asked, acting };
 
 enum class StiffnessPart { diagonal, off_diagonal };  // xx, yy, zz; xy, xz, yz
@@ -20,10 +20,10 @@ struct PatchArrays {  // one patch: all its tetrahedra are of one material
   const ElementBlock<Real>* blocks;
   Index block_count;
   const PressureBlock<Real>* pressure_blocks;  // null without nodal pressure
-  const Real* pressure;                        // per node [Pa]
-  const PaddedVector<Real>* u;                 // per vertex of the patch [m]
+  const Real* pressure;                        // pressure of each node [Pa]
+  const PaddedVector<Real>* u;                 // displacement of each vertex of the patch [m]
   const FibreBlock<Real>* fibre_blocks;        // null where no material has fibres
-  Law<Real> law;                               // without its pressure and direction
+  Law<Real> law;                               // law without its pressure and direction
 };
 
 template <class Real>
@@ -41,6 +41,6 @@ struct WideKernels {
 };
 
 template <class Real>
-WideKernels<Real> wide_kernels(InstructionSet set);  // of an available set
+WideKernels<Real> wide_kernels(InstructionSet set);  // `set`: an available one
 
 }  // namespace lobe

@@ -27,7 +27,7 @@ struct GoBack {
 
 struct RecordedCommand {
   std::variant<Command, GoBack> command;
-  // Of displacements, velocities and time after it. A session notes it for some of the frames only.
+  // Digest of displacements, velocities and time after it. A session notes it for some of the frames only.
   std::optional<std::uint64_t> digest = {};
 };
 
@@ -47,7 +47,7 @@ class CommandLog {
   RecordedCommand back() const;  // with its digest in any case; O(chunk), as the next
   RecordedCommand operator[](std::size_t i) const;
   std::vector<RecordedCommand> all() const;
-  std::size_t bytes() const;  // of all chunks
+  std::size_t bytes() const;  // size of all chunks
 
   // Visits the runs: visit(number of the first entry, entry, count). Equal frames are a run, whose last frame
   // has the digest. All others are runs of one.
@@ -57,7 +57,7 @@ class CommandLog {
   Iterator begin() const;
   std::default_sentinel_t end() const { return {}; }
 
-  // In files: the chunks as they are, and how many entries each has.
+  // The log in a file: the chunks as they are, and the number of entries of each.
   struct Saved {
     std::uint64_t last_digest = 0;
     std::vector<std::string> chunks;
@@ -65,12 +65,12 @@ class CommandLog {
     static constexpr auto fields = std::tuple(&Saved::last_digest, &Saved::chunks, &Saved::sizes);
   };
   Saved as_saved() const;
-  static CommandLog from_saved(const Saved& saved);  // throws InputError for chunks that hold anything else
+  static CommandLog from_saved(const Saved& saved);  // throws InputError for chunks that do not fit
 
  private:
   struct Chunk {
     std::size_t first = 0;                            // number of its first entry
-    std::optional<std::uint64_t> digest_before = {};  // if the entry before it notes one
+    std::optional<std::uint64_t> digest_before = {};  // digest of the entry before it, if that one notes it
     std::string bytes;
   };
   // What the entries of a chunk are packed against. It begins anew with each chunk.
@@ -80,8 +80,8 @@ class CommandLog {
   };
   struct Context {
     std::array<Poses, 16> poses;
-    std::uint8_t next_place = 0;  // for another tool
-    double duration = 0;          // of the frames [s]
+    std::uint8_t next_place = 0;  // place for another tool
+    double duration = 0;          // duration of the frames [s]
   };
   class Reader;
 
@@ -91,7 +91,7 @@ class CommandLog {
                   bool is_unchanged);
   void make_room(std::size_t bytes);
   std::size_t chunks() const { return full_.size() + 1; }
-  std::size_t end_of(std::size_t chunk_number) const {  // number of the entry after its last
+  std::size_t end_of(std::size_t chunk_number) const {  // number of the entry after its last one
     return chunk_number < full_.size() ? chunk(chunk_number + 1).first : size_;
   }
   const Chunk& chunk(std::size_t i) const { return i < full_.size() ? *full_[i] : open_; }
@@ -99,11 +99,11 @@ class CommandLog {
   static constexpr std::size_t none = SIZE_MAX;
   std::vector<std::shared_ptr<const Chunk>> full_;
   Chunk open_;
-  Context context_;         // of open_
-  std::size_t run_ = none;  // where in it the run begins that may grow
+  Context context_;         // context of open_
+  std::size_t run_ = none;  // place in open_ of the run that may grow
   std::size_t size_ = 0;
   std::uint64_t last_digest_ = 0;
-  std::optional<std::uint64_t> last_noted_ = {};  // by the last entry
+  std::optional<std::uint64_t> last_noted_ = {};  // digest that the last entry notes
 };
 
 class CommandLog::Iterator {
@@ -125,7 +125,7 @@ class CommandLog::Iterator {
 
   std::shared_ptr<Reader> reader_;
   RecordedCommand entry_;
-  std::optional<std::uint64_t> digest_;  // of the run
+  std::optional<std::uint64_t> digest_;  // digest of the run
   std::size_t left_ = 0;                 // entries of the run, with this one; 0: at the end
 };
 

@@ -14,7 +14,7 @@
 namespace lobe {
 
 struct Recording {
-  std::uint64_t setup = 0;  // fingerprint() of the world's
+  std::uint64_t setup = 0;  // fingerprint() of the world's setup
   bool in_double = false;
   CommandLog commands;
   static constexpr auto fields = std::tuple(&Recording::setup, &Recording::in_double, &Recording::commands);
@@ -28,8 +28,8 @@ void visit_to_the_end(const Recording& recording,
 template <class Real>
 std::uint64_t digest(World<Real>& world);
 
-// Whose digest is noted: that of each frame; or, of frames between which there are only poses of tools, that
-// of the 1st, 2nd, 4th … and of each 16th; where there is nothing between them, of each 1024th. A replay
+// Frames whose digest is noted. all: each frame. some: of frames between which there are only poses of tools,
+// the 1st, 2nd, 4th … and each 16th; of frames with nothing between them, each 1024th. A replay
 // compares where a digest is noted.
 enum class NotedFrames { all, some };
 
@@ -54,14 +54,14 @@ class CommandRecorder {
   World<Real>& world_;
   Recording recording_;
   NotedFrames noted_;
-  std::uint32_t frames_ = 0;       // since something else than poses
-  std::uint32_t frames_idle_ = 0;  // since anything
+  std::uint32_t frames_ = 0;       // frames since something else than a pose
+  std::uint32_t frames_idle_ = 0;  // frames since any command
 };
 
 struct ReplayResult {
-  std::size_t commands = 0;  // up to the first one after which the bits differ
-  bool same = true;          // false: the next one did not
-  double time = 0;           // of the world, where it ended [s]
+  std::size_t commands = 0;  // commands up to the first one after which the bits differ
+  bool same = true;          // whether all bits were the same
+  double time = 0;           // time of the world at the end [s]
 };
 
 // Plays a recording on a world as it was when the recording began; throws InputError for one of another setup

@@ -19,7 +19,7 @@ class BladeWork {
   // Makes the grains ahead of the first cut, because it takes longer than a frame. False if they are there
   // already.
   bool prepare(const Elements& elements);
-  void forget_prepared() { prepared_.reset(); }  // the mesh is no longer what it was
+  void forget_prepared() { prepared_.reset(); }  // call it when the mesh is no longer what it was
   void start() { blades_ = std::move(prepared_); }
 
   // ---- Cuts of a frame
@@ -29,11 +29,11 @@ class BladeWork {
   void end_strokes() {
     if (blades_) blades_->end_strokes();
   }
-  // The move from where its edge really starts, since tissue may have carried it along.
+  // The move from where its edge really starts: tissue may have carried it along.
   BladeMove whole(const BladeMove& move, const Blades::BodyNow& body) const;
   struct Step {
     Incised incised;
-    Vec3d tip = Vec3d::Zero();  // of the blade, at its end [m]
+    Vec3d tip = Vec3d::Zero();  // tip of the blade at its end [m]
   };
   // Performs a whole move. It cuts grains alone; tetrahedra, which hold these parts, are divided later.
   // No step: the blade waits, because 32 others cut.
@@ -77,13 +77,13 @@ class BladeWork {
   bool lies_on_held_boundary(Index v, const Model& model) const;
 
   std::unique_ptr<Blades> blades_;    // none until a blade cuts
-  std::unique_ptr<Blades> prepared_;  // what they will be then, while the mesh is as it is now
+  std::unique_ptr<Blades> prepared_;  // what they will be then, as long as the mesh stays as it is
   struct {
     std::vector<int> narrow, far;  // tools of which unfit() has told it
   } told_;
   struct {
     int tool = 0;
-    double way = 0;  // [m]
+    double way = 0;  // way of the last tool that has moved in this frame [m]
   } gone_;           // the last tool that has moved in this frame
 };
 

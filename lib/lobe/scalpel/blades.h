@@ -31,7 +31,7 @@ class Blades {
   // The body as it is now.
   struct BodyNow {
     Placements placement;
-    std::function<std::vector<Index>(const SweptVolume&)> tets_in;  // that meet it
+    std::function<std::vector<Index>(const SweptVolume&)> tets_in;  // tetrahedra that meet a volume
     CornerPlaces corners;
   };
 
@@ -48,24 +48,24 @@ class Blades {
 
   Grains grains;
 
-  struct BladePoint {             // of an edge
+  struct BladePoint {             // a point of an edge
     Index grain = -1;             // −1: outside the body
-    Vec3d rest = Vec3d::Zero();   // in the grain [m]
-    Vec3d place = Vec3d::Zero();  // when it was found [m]
+    Vec3d rest = Vec3d::Zero();   // place in the grain at rest [m]
+    Vec3d place = Vec3d::Zero();  // place when it was found [m]
     static constexpr auto fields = std::tuple(&BladePoint::grain, &BladePoint::rest, &BladePoint::place);
   };
   using Row = std::vector<BladePoint>;
   struct Stroke {
     int tool = 0, number = 0, bit = 0, rows_made = 0;
-    Index begun = 0;        // how many of the body began before
-    Index points_seen = 0;  // of the grains, after its last step
+    Index begun = 0;        // number of the body's strokes that began before
+    Index points_seen = 0;  // points of the grains after its last step
     bool goes_on = true;
-    std::vector<Row> rows;  // the last few that the edge has left behind, the present one last
+    std::vector<Row> rows;  // last few rows that the edge has left behind, the present one last
     static constexpr auto fields =
         std::tuple(&Stroke::tool, &Stroke::number, &Stroke::bit, &Stroke::rows_made, &Stroke::begun,
                    &Stroke::points_seen, &Stroke::goes_on, &Stroke::rows);
   };
-  struct State {  // with the grains, all that a later step depends on
+  struct State {  // all that a later step depends on, besides the grains
     std::vector<std::uint32_t> on;
     std::vector<Stroke> strokes;
     Index begun = 0;  // strokes since the start
@@ -73,7 +73,7 @@ class Blades {
   };
   State state() const { return {grains.on(), strokes_, begun_}; }
   void set_state(const State& state);
-  static bool fits(const State& state, const Grains* grains);  // null: there are none
+  static bool fits(const State& state, const Grains* grains);  // grains: null if there are none
 
  private:
   Stroke* stroke_of(const BladeMove& step);

@@ -19,7 +19,7 @@ class GrainCells : public SurfaceCells {
   void append_cells_of(Index tet, std::vector<Index>& cells) const override;
   bool is_cut(Index code, bool) const override { return !grains_.was_boundary(code / 4, int(code % 4)); }
   Index stroke_of(Index code) const override { return grains_.stroke_of(code); }
-  SurfacePlace place(Index point) const override;  // of one that a grain has
+  SurfacePlace place(Index point) const override;  // place of a point that a grain has
 
   // Tells the cells which tetrahedra an edit of the topology has given other corners. Grains do not know of
   // these.

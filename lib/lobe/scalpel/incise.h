@@ -8,18 +8,18 @@ namespace lobe {
 struct Blade {
   int stroke = 0;     // 0 … Grains::most_strokes − 1
   double snap = 0.1;  // a point nearer than this share of its shortest edge lies on the sheet
-  // No grain is divided: what lies on both sides of the sheet goes to that of its middle.
+  // No grain is divided: what lies on both sides of the sheet goes to the side of its middle.
   bool along_faces = false;
   // The tissue has moved since the last sheet. The straight lines between the stored places may now lie ahead
   // of the end of that sheet. The last sheet finds the edges in between.
   bool looks_back = false;
-  Index number = -1;  // the stroke's, of all strokes of the body
-  // −1: all edges near the last sheet may be cut. Otherwise only those of points from this number on are, by
-  // any of the sheets: of points that others have made since the last step.
+  Index number = -1;  // number of the stroke among all strokes of the body
+  // −1: all edges near the last sheet may be cut. Otherwise only edges of points from this number on are, by
+  // any of the sheets: points that others have made since the last step.
   Index since = -1;
 
-  // The distance from the sheet within which grains may have to be divided [m]: there are the points that it
-  // takes, and the edges that it crosses.
+  // The distance from the sheet within which grains may have to be divided [m]: it holds the points that the
+  // sheet takes and the edges that it crosses.
   double reach(const Grains& grains) const {
     constexpr double rounding = 1e-6;
     return along_faces ? 2 * grains.mean_edge() : (1 + rounding) * snap * grains.longest_shortest_edge();
@@ -27,20 +27,20 @@ struct Blade {
 };
 
 struct Incised {
-  Incision caught_up;  // comes before the other: of edges that other strokes have made behind the blade
+  Incision caught_up;  // edges that other strokes have made behind the blade; comes before `incision`
   Incision incision;
   std::vector<Index> opened;  // the tetrahedra beside the faces that were opened
-  double area = 0;            // of these faces, at rest [m²]
+  double area = 0;            // area of these faces, at rest [m²]
   struct Face {
     Index element, neighbour;  // tetrahedra
-    double area;               // at rest [m²]
-    Vec3d middle;              // where it is now [m]
+    double area;               // area at rest [m²]
+    Vec3d middle;              // present place [m]
   };
   std::vector<Face> faces;
-  Index crumbs = 0;           // that would have been cut off
-  Vec3d way = Vec3d::Zero();  // of the edge through the tissue, its mean [m]
-  Index refused = 0;          // edges that were not bisected, of tetrahedra that would have too many grains
-  // Adds what was made up before.
+  Index crumbs = 0;           // crumbs that stay attached
+  Vec3d way = Vec3d::Zero();  // mean way of the edge through the tissue [m]
+  Index refused = 0;          // edges not bisected, as their tetrahedra would have too many grains
+  // Adds this to what was made up before.
   void follow(Incised&& before);
 };
 
@@ -54,6 +54,6 @@ Incised incise(Grains& grains, const Blade& blade, const SweptSheets& swept, con
 // incision that does not fit the grains.
 void divide_again(const Incision& incision, Grains& grains);
 
-inline constexpr Index most_grains = 256;  // of a tetrahedron of the start
+inline constexpr Index most_grains = 256;  // most grains of a tetrahedron of the start
 
 }  // namespace lobe

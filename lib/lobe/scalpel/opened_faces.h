@@ -7,7 +7,7 @@
 
 namespace lobe {
 
-inline constexpr double open_within = 0.3;  // mean edges from the sheet to a face's middle, where it opens
+inline constexpr double open_within = 0.3;  // largest distance of a face's middle from the sheet [mean edges]
 
 // Opens the closed faces that lie on the sheets of a stroke that goes on, near what it has swept last. Others
 // wait. `new_on`: the points that the last sheet has taken, ascending.

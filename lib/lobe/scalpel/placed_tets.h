@@ -10,31 +10,31 @@
 
 namespace lobe {
 
-// Where the tetrahedra of the simulation are: an affine map of each.
+// The place of a tetrahedron of the simulation: an affine map.
 struct Placement {
-  Vec3d start, image;     // of corner 0, at rest and now [m]
+  Vec3d start, image;     // places of corner 0, at rest and now [m]
   Mat3<double> gradient;  // F
   Vec3d operator()(const Vec3d& X) const { return image + gradient * (X - start); }
 };
 using Placements = std::function<Placement(Index element)>;
-using CornerPlaces = std::function<Mat34<double>(Index element)>;  // where they are now [m]
+using CornerPlaces = std::function<Mat34<double>(Index element)>;  // present corners [m]
 
 // Tetrahedra in ascending order, each with where its grains are.
 class PlacedTets {
  public:
-  // Of tetrahedra that nothing has divided only the corners are asked for; without `corners`, the map.
+  // Asks only for the corners of tetrahedra that nothing has divided; without `corners`, for the map.
   PlacedTets(const Grains& grains, const std::vector<Index>& tets, Placements find,
              const CornerPlaces& corners = {});
 
   struct Placed {
     Index tet;
-    Index begin, end;  // of its grains
+    Index begin, end;  // range of its grains
     bool is_whole;
-    mutable std::optional<Placement> placement;  // found when it is asked for
+    mutable std::optional<Placement> placement;  // map, found when it is asked for
   };
   struct PlacedGrain {
     Index grain;
-    Mat34<double> x;  // of its points [m]
+    Mat34<double> x;  // places of its points [m]
   };
   auto begin() const { return placed_.begin(); }
   auto end() const { return placed_.end(); }
@@ -44,8 +44,8 @@ class PlacedTets {
     if (!placed.placement) placed.placement = find_(placed.tet);
     return *placed.placement;
   }
-  Placement of(Index tet) const;  // of any
-  // As they were when these were placed.
+  Placement of(Index tet) const;  // `tet`: any tetrahedron
+  // The grains as they were when they were placed.
   std::span<const PlacedGrain> grains() const { return grains_; }
   std::span<const PlacedGrain> grains_of(const Placed& tet) const {
     return {grains_.data() + tet.begin, grains_.data() + tet.end};

@@ -12,7 +12,7 @@
 
 namespace lobe {
 
-// The material with its element, and its nodal pressure, named.
+// Returns the material with its element, and its nodal pressure, named.
 Material with_default_element(const Scene& scene, Material material);
 
 }  // namespace lobe

@@ -11,7 +11,7 @@ namespace lobe {
 // as building some worlds (pace.h), else as one.
 std::string describe(const Scene& scene, const Resolved& resolved);
 
-// The same for programs: one JSON object, indented.
+// The report for programs: one JSON object, indented.
 std::string describe_json(const Scene& scene, const Resolved& resolved);
 
 }  // namespace lobe

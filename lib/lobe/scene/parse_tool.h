@@ -12,7 +12,7 @@ namespace lobe {
 
 struct ParsedTool {
   BringTool command;
-  Vec3d position = Vec3d::Zero();  // of its centre, or tip [m]
+  Vec3d position = Vec3d::Zero();  // place of its centre, or tip [m]
 };
 
 // Throws InputError with every fault, each with its JSON pointer: "/shape/sphere/radius: 0, must be above 0".

@@ -15,13 +15,13 @@ namespace lobe {
 // Files of at most 64 MB, nested at most 64 levels deep.
 Scene read_scene(const std::filesystem::path& file);
 
-// `file` is what messages call the text, and what relative paths are relative to; it is not opened.
+// `file` is the name of the text in messages, and what relative paths are relative to; it is not opened.
 Scene parse_scene(std::string_view text, const std::filesystem::path& file = "scene.json");
 
 // Where the mesh of a scene lies. Throws InputError for a scene with bodies (scene_mesh.h).
 std::filesystem::path mesh_path(const Scene& scene);
-std::filesystem::path skin_path(const Scene& scene);  // of one that has a skin
-// The same scene with absolute paths, so that it may be written to another folder.
+std::filesystem::path skin_path(const Scene& scene);  // skin of a scene that has one
+// Makes paths of a scene absolute, so that it may be written to another folder.
 Scene with_absolute_paths(Scene scene);
 
 }  // namespace lobe

@@ -15,7 +15,7 @@ namespace lobe {
 // read_mesh() does, and for a place that is out of range.
 MeshFile read_scene_mesh(const Scene& scene);
 
-// The files that it reads.
+// Returns the files that it reads.
 std::vector<std::filesystem::path> mesh_paths(const Scene& scene);
 
 // Replaces the mesh of the scene by a file, as an option of a program asks. Throws InputError for a scene

@@ -14,8 +14,7 @@
 
 namespace lobe {
 
-// All results are ascending. An index beyond the mesh throws InputError; `place` is the selector's JSON
-// pointer.
+// Results are ascending. An index beyond the mesh throws InputError; `place` is the selector's JSON pointer.
 std::vector<Index> select_vertices(const Selector& selector, const TetMesh& mesh,
                                    const std::string& place = "");
 std::vector<Index> select_tets(const Selector& selector, const TetMesh& mesh, const std::string& place = "");

@@ -17,9 +17,9 @@ struct StrandSetup {
   EmbeddedPoint from;
   EmbeddedPoint to;              // no tetrahedron: it ends in the world, at the anchor
   Vec3d anchor = Vec3d::Zero();  // [m]
-  double length = 0;             // natural [m]
+  double length = 0;             // natural length [m]
   double stiffness = 0;          // [N/m]
-  double area = 0;               // of the bed that it stands for [m²]; 0: it is not of a bed
+  double area = 0;               // area of the bed that it stands for [m²]; 0: it is of no bed
   double reached = 0;            // largest elongation so far [m]
   bool operator==(const StrandSetup&) const = default;
   bool ends_in_world() const { return to.tet < 0; }
@@ -34,7 +34,7 @@ struct StrandSetup {
 };
 
 struct AttachmentSetup {
-  std::string name;  // different from those of the others
+  std::string name;  // name, different from the others'
   // Elongation δ_f from which its strands give way [m]; infinite: they never do.
   double holds_until = std::numeric_limits<double>::infinity();
   double softening = 3;  // c: a strand has torn at the elongation c δ_f; above 1

@@ -29,10 +29,10 @@ class DeadLoads {
   std::vector<FaceLoad> face_loads_;
   std::vector<VertexLoad> vertex_loads_;
   VertexLists<Index> of_tet_, of_vertex_;  // numbers of loads; empty if there are none of the kind
-  std::map<Index, Vec3d> weights_;         // of faces 4 × tetrahedron + face that a blade has cut
+  std::map<Index, Vec3d> weights_;         // weights of faces 4 × tetrahedron + face that a blade has cut
 };
 
-// The same for all vertices, 3 × #vertices [N].
+// Loads of all vertices, 3 × #vertices [N].
 Mat3X<double> dead_loads(const Elements& elements, const std::vector<FaceLoad>& face_loads,
                          const std::vector<VertexLoad>& vertex_loads);
 
@@ -41,7 +41,7 @@ Vec3d path_at(const std::vector<PathPoint>& path, double time);
 // Orientation on a path at a time: a unit quaternion x, y, z, w. Between two points it turns at a constant
 // rate, the shortest way.
 Eigen::Vector4d orientation_at(const std::vector<PathPoint>& path, double time);
-double opening_at(const std::vector<PathPoint>& path, double time);  // of jaws [m]
+double opening_at(const std::vector<PathPoint>& path, double time);  // distance of jaws [m]
 
 // Held vertices: boundary conditions (holder 0) or a grasp (holder: its ToolId, above 0) prescribe their
 // displacement. The first holder of a component of a vertex keeps it: a grasp moves the components that no
@@ -52,12 +52,12 @@ class HeldVertices {
   struct Held {
     Index vertex = 0;
     int holder = 0;
-    Vec3d start = Vec3d::Zero();  // displacement when it was taken hold of [m]
-    Vec3d goal = Vec3d::Zero();   // holder 0: displacement after the ramp [m]
+    Vec3d start = Vec3d::Zero();  // displacement at the time of taking hold [m]
+    Vec3d goal = Vec3d::Zero();   // displacement after the ramp [m], of holder 0
     Axes axes = all_axes;         // the components that are held
-    double share = 1;             // of the vertex that is held, above 0; 1: wholly
+    double share = 1;             // share of the vertex that is held, above 0; 1: wholly
     bool operator==(const Held&) const = default;
-    bool is_valid() const {  // as read back: no memory for vertices that no mesh has
+    bool is_valid() const {  // a file's numbers: no memory for vertices that no mesh has
       return vertex >= 0 && vertex < 100'000'000 && start.allFinite() && goal.allFinite() && share > 0 &&
              share <= 1;
     }
@@ -70,9 +70,9 @@ class HeldVertices {
   bool fixes(Index v) const { return axes_of(v) == 7; }  // in all components
   // Whether anything keeps it near a place: it is held, wholly or by a share.
   bool anchors(Index v) const { return v < static_cast<Index>(held_.size()) && held_[v] != 0; }
-  int holder_of(Index v) const;  // of one that is held; O(#held)
+  int holder_of(Index v) const;  // holder of a held vertex; O(#held)
   const std::vector<Held>& all() const { return items_; }
-  const std::vector<Held>& partly() const { return partly_; }  // of a share below 1
+  const std::vector<Held>& partly() const { return partly_; }  // items with a share below 1
 
   bool operator==(const HeldVertices&) const = default;
   std::vector<Held> as_saved() const;
@@ -82,10 +82,10 @@ class HeldVertices {
     return held;
   }
 
-  void hold(Held item);  // those of its components that are free; by a share below 1: all that it says
+  void hold(Held item);  // takes the components that are free; with a share below 1 all of the item
   void release(int holder);
   void free(Index vertex);
-  void split(Index vertex, Index copy);  // the copy is held as the vertex is
+  void split(Index vertex, Index copy);  // holds the copy as the vertex is held
 
  private:
   bool joins(const Held& item);
@@ -96,10 +96,10 @@ class HeldVertices {
 
   static constexpr std::uint8_t all_components = 7, is_drawn = 8;
   std::vector<Held> items_, partly_;
-  std::vector<std::uint8_t> held_;  // per vertex: one bit per component, and whether it is partly held
+  std::vector<std::uint8_t> held_;  // bits of each vertex: its held components, and whether it is partly held
 };
 
-// What the boundary conditions hold wholly, and with those that they hold by a share.
+// Returns what the boundary conditions hold wholly; and that with what they hold by a share.
 HeldVertices held_by(const std::vector<PrescribedVertex>& prescribed);
 HeldVertices held_by(const Setup& setup);
 

@@ -15,10 +15,10 @@ namespace lobe {
 // A clip of two legs. Its axes: x along the legs, y along the duct, z from leg to leg; its centre is their
 // middle.
 struct ClipShape {
-  double length = 0;        // of the legs [m]
-  double opening = 0;       // between the legs before they close [m]
-  double gap = 0;           // between them when they have closed [m]; below the opening
-  double width = 1e-3;      // of each leg along y [m]
+  double length = 0;        // length of the legs [m]
+  double opening = 0;       // distance of the legs before they close [m]
+  double gap = 0;           // distance of the legs once closed [m]; below the opening
+  double width = 1e-3;      // width of each leg along y [m]
   double stiffness = 1000;  // force by which the closed legs resist being further apart [N/m]
   bool operator==(const ClipShape&) const = default;
   std::string fault() const;  // empty: there is none
@@ -28,17 +28,17 @@ struct ClipShape {
 
 // A clip that has been closed.
 struct ClipSetup {
-  struct Pair {  // of points of the surface that face each other between the legs
+  struct Pair {  // points of the surface that face each other between the legs
     EmbeddedPoint from, to;
-    double apart = 0;  // how far they were when it began to close [m]
+    double apart = 0;  // distance at the begin of closing [m]
     bool operator==(const Pair&) const = default;
     static constexpr auto fields = std::tuple(&Pair::from, &Pair::to, &Pair::apart);
   };
   std::string name;
   ClipShape shape;
-  int tool = 0, number = 0;     // of the applier, and of the clip among those that it has closed
-  double since = 0;             // when it began to close [s]
-  std::vector<Pair> pairs;      // that are left
+  int tool = 0, number = 0;     // number of the applier, and of the clip among those that it has closed
+  double since = 0;             // time at which it began to close [s]
+  std::vector<Pair> pairs;      // pairs that are left
   std::vector<Index> squeezed;  // tetrahedra that its middle plane crosses: nothing flows through them
   bool operator==(const ClipSetup&) const = default;
   void check(const Expect& expect) const;
@@ -54,7 +54,7 @@ inline constexpr std::array<const char*, 3> carries_names{"nothing", "blood", "b
 struct CarrierSetup {
   int body = 0;  // number of the body (MeshBodies)
   Carries carries = Carries::blood;
-  std::vector<Index> fed;  // vertices at which it comes in
+  std::vector<Index> fed;  // vertices at which the flow comes in
   bool operator==(const CarrierSetup&) const = default;
   static constexpr auto fields = std::tuple(&CarrierSetup::body, &CarrierSetup::carries, &CarrierSetup::fed);
 };

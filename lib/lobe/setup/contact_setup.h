@@ -11,7 +11,7 @@ struct ObstacleSetup {
   RigidShape shape;
   Vec3d position = Vec3d::Zero();           // [m]
   Eigen::Vector4d orientation{0, 0, 0, 1};  // unit quaternion x, y, z, w
-  double friction = default_friction;       // coefficient of Coulomb's law, against tissue
+  double friction = default_friction;       // Coulomb's coefficient against tissue
   void check(const Expect& expect) const;
   static constexpr auto fields = std::tuple(&ObstacleSetup::shape, &ObstacleSetup::position,
                                             &ObstacleSetup::orientation, &ObstacleSetup::friction);
@@ -19,7 +19,7 @@ struct ObstacleSetup {
 
 struct ContactSetup {
   bool self = false;                   // organ against organ, the lips of cuts, pieces that fall
-  double friction = default_friction;  // of tissue against tissue
+  double friction = default_friction;  // Coulomb's coefficient of tissue against tissue
   // Damping of the normal speed in contact, as a share of the critical damping at the highest frequency of
   // the body. At lower frequencies it is less.
   double damping = 0.05;

@@ -16,13 +16,13 @@
 
 namespace lobe {
 
-// The models of regions come first, by their numbers: option_of().
+// The models of regions come first, in the order of their numbers: option_of().
 enum class Option : std::uint8_t {
   corotated = region_model_names.size(),
   expandable,  // Setup::expandable
-  automatic,   // regions that are chosen by their estimated error
+  automatic,   // regions chosen by their estimated error
   nodal_pressure,
-  other_law,  // than St Venant-Kirchhoff
+  other_law,  // any law but St Venant-Kirchhoff
   fibres,
   sleep,
   selective_mass,
@@ -34,10 +34,10 @@ enum class Option : std::uint8_t {
   partly_held  // Setup::partly_held, GraspSetup::shares
 };
 inline constexpr std::size_t option_count = std::size_t(Option::partly_held) + 1;
-constexpr Option option_of(RegionModel model) { return Option(int(model)); }  // that its tetrahedra use
-std::string name(Option option);  // as a scene says it: "model": "precomputed"
+constexpr Option option_of(RegionModel model) { return Option(int(model)); }  // the option of its tetrahedra
+std::string name(Option option);  // name in scenes: "model": "precomputed"
 
-class Options {  // a set of them
+class Options {  // a set of options
  public:
   Options() = default;
   Options(std::initializer_list<Option> options) {
@@ -60,12 +60,12 @@ class Options {  // a set of them
 struct Exclusion {
   Option option, other;
   const char* reason;
-  const char* remedy;  // for whoever asked for `option`
+  const char* remedy;  // remedy for whoever asked for `option`
 };
 std::span<const Exclusion> exclusions();
 std::span<const Exclusion> material_exclusions();
 
-bool any_partly_held(const Setup& setup);  // by the boundary or a grasp
+bool any_partly_held(const Setup& setup);  // whether the boundary or a grasp holds vertices by shares
 Options options_of(const Setup& setup);
 
 // Returns a fault for each exclusion of which both options are used, and for each place of the first one.

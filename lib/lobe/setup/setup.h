@@ -14,9 +14,9 @@
 
 namespace lobe {
 
-struct FaceLoad {  // dead load on one boundary face, in rest area
+struct FaceLoad {  // a dead load on one boundary face, by its rest area
   Index tet = 0;
-  int face = 0;                    // opposite to this corner
+  int face = 0;                    // the corner opposite to the face
   Vec3d traction = Vec3d::Zero();  // [Pa]
   // Corner k of the face, in the order of face_corners, gets weights[k] · traction · A/3, with A the area of
   // the whole face at rest. If a blade has left only a part of the face, they are three times that part's
@@ -26,9 +26,9 @@ struct FaceLoad {  // dead load on one boundary face, in rest area
       std::tuple(&FaceLoad::tet, &FaceLoad::face, &FaceLoad::traction, &FaceLoad::weights);
 };
 
-struct FacePressure {  // on one boundary face, along the normal that it has as it moves
+struct FacePressure {  // pressure on one boundary face, along the normal that it has as it moves
   Index tet = 0;
-  int face = 0;         // opposite to this corner
+  int face = 0;         // the corner opposite to the face
   double pressure = 0;  // [Pa], positive where it pushes into the body
   static constexpr auto fields = std::tuple(&FacePressure::tet, &FacePressure::face, &FacePressure::pressure);
 };
@@ -40,7 +40,7 @@ struct VertexLoad {
   static constexpr auto fields = std::tuple(&VertexLoad::vertex, &VertexLoad::force);
 };
 
-using Axes = std::array<bool, 3>;  // which of the components x, y, z
+using Axes = std::array<bool, 3>;  // flags of the components x, y, z
 inline constexpr Axes all_axes{true, true, true};
 
 struct PrescribedVertex {
@@ -61,7 +61,7 @@ struct PartlyHeldVertex {
                                             &PartlyHeldVertex::displacement, &PartlyHeldVertex::axes);
 };
 
-inline constexpr int highest_mass_degree = 16;  // of selective mass scaling
+inline constexpr int highest_mass_degree = 16;  // greatest degree of selective mass scaling
 
 enum class LoosePieces : std::uint8_t { fall, vanish, stay };  // what becomes of pieces that nothing holds
 
@@ -91,20 +91,20 @@ struct Setup : Body, ToolSetups {
   double cut_frequency = 0;
   int selective_mass = 1;  // s of theory (7.8), 1…16: the stable step grows with it; 1: masses are lumped
   Integrator integrator = Integrator::central_difference;
-  double implicit_step = 0;      // [s], at most this; 0: one step per call of advance()
-  double spectral_radius = 0.8;  // of generalised-α at high frequencies, 1: no numerical damping
-  double ramp = 0.1;             // prescribed displacements are reached over this time [s]
-  double load_ramp = 0;          // all loads but weight grow linearly over this time [s]
-  double sleep = 0;  // by how much displacements may differ where parts at rest sleep [m]; 0: none does
-  double lattice_cell = 0;  // edge of the cells of reduced regions [m]; 0: chosen by their size
-  bool expandable = false;  // pre-computed regions may be non-linear for a while (command Expand)
+  double implicit_step = 0;      // longest step [s]; 0: one step per call of advance()
+  double spectral_radius = 0.8;  // spectral radius of generalised-α at high frequencies, 1: no damping
+  double ramp = 0.1;             // time in which prescribed displacements are reached [s]
+  double load_ramp = 0;          // time in which all loads but weight grow linearly [s]
+  double sleep = 0;              // change of displacements that sleep may cause [m]; 0: nothing sleeps
+  double lattice_cell = 0;       // edge of the cells of reduced regions [m]; 0: chosen by their size
+  bool expandable = false;       // pre-computed regions may be non-linear for a while (command Expand)
   ContactSetup contact;
   std::vector<StitchSetup> stitches;
   std::vector<AttachmentSetup> attachments;
-  std::vector<ClipSetup> clips;  // that were closed before
+  std::vector<ClipSetup> clips;  // clips that were closed before
   std::vector<CarrierSetup> carriers;
 
-  // What decides how a world moves, for fingerprint(): no names.
+  // The members that decide how a world moves, for fingerprint(): no names.
   static constexpr auto fields = std::tuple_cat(
       Body::fields,
       std::tuple(&Setup::prescribed, &Setup::partly_held, &Setup::face_loads, &Setup::vertex_loads,

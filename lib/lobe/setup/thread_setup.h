@@ -29,8 +29,8 @@ struct ThreadMaterial {
 struct TieSetup {
   Index from = 0, to = 0;  // the bites, counted from 0 in the order in which they were sewn
   double at = 0;           // [s]
-  double tighten = 0;      // by how much the loop is then drawn together [m]
-  double over = 0.2;       // in this time [s]
+  double tighten = 0;      // length by which the loop is then drawn together [m]
+  double over = 0.2;       // time that this takes [s]
   void check(const Expect& expect, const std::string& whose, std::size_t bites) const;
   static constexpr auto fields =
       std::tuple(&TieSetup::from, &TieSetup::to, &TieSetup::at, &TieSetup::tighten, &TieSetup::over);
@@ -38,10 +38,10 @@ struct TieSetup {
 
 // A length of thread that is drawn through the tissue: one loop, or a running suture.
 struct StitchSetup {
-  std::string name;  // for messages
+  std::string name;  // name in messages
   ThreadMaterial material;
   std::vector<EmbeddedPoint> bites;  // at least two, in the order in which the needle passes them
-  double at = 0;                     // when it is sewn [s]
+  double at = 0;                     // time at which it is sewn [s]
   std::vector<TieSetup> ties;
   void check(const Expect& expect) const;
   static constexpr auto fields =

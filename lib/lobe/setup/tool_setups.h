@@ -12,10 +12,10 @@ namespace lobe {
 
 struct PathPoint {
   double time = 0;                 // [s]
-  Vec3d position = Vec3d::Zero();  // [m]; of a grasp: offset from where it took hold
-  // Of a grasp: its turn since it took hold, about its centre there; a unit quaternion x, y, z, w.
+  Vec3d position = Vec3d::Zero();  // [m]; for a grasp the offset from where it took hold
+  // For a grasp its turn since it took hold, about its centre there; a unit quaternion x, y, z, w.
   Eigen::Vector4d orientation{0, 0, 0, 1};
-  double opening = 0;  // of jaws: how far they are apart [m]
+  double opening = 0;  // distance of jaws [m]
   static constexpr auto fields =
       std::tuple(&PathPoint::time, &PathPoint::position, &PathPoint::orientation, &PathPoint::opening);
 };
@@ -30,7 +30,7 @@ struct GraspSetup {
   std::vector<Index> vertices;
   std::vector<PathPoint> path;  // offsets
   bool release = false;
-  // Of each vertex: the share that is held, above 0 and up to 1 (PartlyHeldVertex); none: all wholly.
+  // Held share of each vertex, above 0 and up to 1 (PartlyHeldVertex); none: all wholly.
   std::vector<double> shares = {};
   bool any_partly() const;
   void check(const Expect& expect) const;
@@ -43,7 +43,7 @@ struct CauterySetup {
   std::string name;
   double radius = 0;            // [m]
   std::vector<PathPoint> path;  // positions of the tip, and turns of the hook
-  // From its tip to the end of a hook, which burns all along [m], before it turns; zero: it has none.
+  // Vector from its tip to the end of a hook, which burns all along [m], before it turns; zero: it has none.
   Vec3d hook = Vec3d::Zero();
   double core = 0;  // radius of a rigid wire in it, which tissue feels [m]; 0: tissue feels nothing
   void check(const Expect& expect) const;
@@ -54,25 +54,25 @@ struct CauterySetup {
 struct ScalpelSetup {
   static constexpr const char* type = "scalpel";
   std::string name;
-  double snap = 0.1;            // a vertex nearer to the cut than this share of its shortest edge lies on it
+  double snap = 0.1;            // share of its shortest edge: a vertex that is nearer to the cut lies on it
   std::vector<PathPoint> path;  // positions of the tip
-  std::vector<Vec3d> heels;     // the other end of the cutting edge, in each row of the path [m]
-  bool along_faces = false;     // opens faces that the mesh has, and divides no tetrahedron
+  std::vector<Vec3d> heels;     // other end of the cutting edge in each row of the path [m]
+  bool along_faces = false;     // whether it opens faces that the mesh has, and divides no tetrahedron
   void check(const Expect& expect) const;
   static constexpr auto fields =
       std::tuple(&ScalpelSetup::snap, &ScalpelSetup::path, &ScalpelSetup::heels, &ScalpelSetup::along_faces);
 };
 inline constexpr double least_snap = 0.02, most_snap = 0.3;
 
-inline constexpr double default_friction = 0.1;  // of a wet instrument against tissue [-]
+inline constexpr double default_friction = 0.1;  // friction of a wet instrument against tissue [-]
 
 struct ProbeSetup {
   static constexpr const char* type = "probe";
   std::string name;
   RigidShape shape;
-  double friction = default_friction;  // coefficient of Coulomb's law, against tissue
+  double friction = default_friction;  // Coulomb's coefficient against tissue
   std::vector<PathPoint> path;         // positions and orientations
-  bool release = false;                // taken away after the last row; else it stays there
+  bool release = false;                // whether it is taken away after the last row; else it stays there
   void check(const Expect& expect) const;
   static constexpr auto fields =
       std::tuple(&ProbeSetup::shape, &ProbeSetup::friction, &ProbeSetup::path, &ProbeSetup::release);
@@ -83,7 +83,7 @@ struct ClipApplierSetup {
   static constexpr const char* type = "clip_applier";
   std::string name;
   ClipShape clip;
-  std::vector<PathPoint> path;  // where and when a clip closes, and how it is turned
+  std::vector<PathPoint> path;  // times, places and turns of the clips that close
   void check(const Expect& expect) const;
   static constexpr auto fields = std::tuple(&ClipApplierSetup::clip, &ClipApplierSetup::path);
 };

@@ -17,7 +17,7 @@ namespace lobe {
 
 template <class Real>
 struct Checkpoint {
-  std::uint64_t setup = 0;  // fingerprint() of what the world was built from
+  std::uint64_t setup = 0;  // fingerprint() of the setup of the world
   State<Real> state;
   History history;
   HeldVertices held;
@@ -30,14 +30,14 @@ struct Checkpoint {
   typename StepLimit<Real>::FrameLimit limit;
   typename Regions<Real>::State nodes;
   int mass_degree = 1;
-  Mat3X<double> acceleration;  // of implicit dynamics [m/s²]; empty: to be taken from the forces
+  Mat3X<double> acceleration;  // acceleration of implicit dynamics [m/s²]; empty: to be taken from the forces
   std::vector<Condition> pending;
   Transitions transitions;
   struct Term {
     std::string name, saved;
     static constexpr auto fields = std::tuple(&Term::name, &Term::saved);
   };
-  std::vector<Term> terms;  // of forces, by their names
+  std::vector<Term> terms;  // force terms, by their names
   WishMemory wishes;
 
   bool is_valid() const { return acceleration.allFinite(); }
@@ -55,7 +55,7 @@ template <class Real>
 void write_checkpoint(const std::filesystem::path& file, const Checkpoint<Real>& checkpoint);
 template <class Real>
 Checkpoint<Real> read_checkpoint(const std::filesystem::path& file);
-// The same as bytes in memory; `name` is for messages.
+// Writes and reads checkpoints as bytes in memory; `name` is for messages.
 template <class Real>
 std::string checkpoint_bytes(const Checkpoint<Real>& checkpoint);
 template <class Real>
@@ -70,8 +70,8 @@ class CheckpointRing {
  public:
   struct Entry {
     Checkpoint<Real> checkpoint;
-    std::size_t mark = 0;   // of the application: when it was made
-    std::size_t bytes = 0;  // about
+    std::size_t mark = 0;   // mark of the application: when it was made
+    std::size_t bytes = 0;  // size, roughly
   };
 
   // Keeps at most `most` checkpoints in at most `most_bytes`, at least `apart` [s] of simulated time from
@@ -79,8 +79,8 @@ class CheckpointRing {
   CheckpointRing(std::size_t most, double apart, std::size_t most_bytes = SIZE_MAX)
       : most_(most), apart_(apart), most_bytes_(most_bytes) {}
 
-  void keep(const World<Real>& world, std::size_t mark = 0);      // if the last is old enough
-  void keep_now(const World<Real>& world, std::size_t mark = 0);  // unless the last is of this time
+  void keep(const World<Real>& world, std::size_t mark = 0);      // makes one if the last is old enough
+  void keep_now(const World<Real>& world, std::size_t mark = 0);  // makes one unless the last is of this time
   // Removes the checkpoints after this time [s] and returns the latest one that is left. Null if none is
   // left.
   const Entry* latest(double time);

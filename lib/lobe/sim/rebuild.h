@@ -10,8 +10,8 @@ struct RebuildDifference {  // relative, largest over vertices
   double mass = 0;
   double force = 0;           // internal and external forces at the same displacements
   double interior = 0;        // displacements of a pre-computed region in equilibrium
-  double frequency = 0;       // vertex estimate of ω_max, from which the time step follows
-  bool same_boundary = true;  // not compared where a blade has cut: it lies between grains
+  double frequency = 0;       // vertex estimates of ω_max, from which the time step follows
+  bool same_boundary = true;  // whether boundaries agree; not looked at where a blade has cut between grains
   bool same_regions = true;
   double largest() const;  // infinite if boundary or regions differ
 };

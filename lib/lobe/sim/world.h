@@ -69,7 +69,7 @@ class World {
   // The interior of a pre-computed region is in equilibrium with its interface. It is computed by this call,
   // not by each step. set_state() ignores the values for that interior.
   StateView<Real> state() { return organ_.state(); }
-  // 3 × #vertices [m]: half of the work of state().
+  // Displacements, 3 × #vertices [m]: half of the work of state().
   Eigen::Map<const Mat3X<Real>> displacements() { return organ_.displacements(); }
   void set_state(const State<Real>& state) { organ_.set_state(state); }
   const Elements& elements() const { return organ_.elements(); }
@@ -93,7 +93,7 @@ class World {
   // by snapshots(). Costs a copy of the state and the normals of the surface. If readers hold all slots, no
   // snapshot is made.
   void publish(const Report& report);
-  const TripleBuffer<Snapshot<Real>>& snapshots() const {  // from any thread
+  const TripleBuffer<Snapshot<Real>>& snapshots() const {  // for any thread
     return organ_.display().snapshots();
   }
 
@@ -106,7 +106,7 @@ class World {
     organ_.refresh_terms();
     return organ_.limit().find(body());
   }
-  StepLimit<Real>& step_limit() { return organ_.limit(); }  // how it is found
+  StepLimit<Real>& step_limit() { return organ_.limit(); }  // search of the limit
   Eigen::Map<const Mat3X<Real>> forces();  // 3 × #vertices, internal and external, at the current state [N]
   Energies energies() {
     organ_.refresh_terms();
@@ -121,7 +121,7 @@ class World {
   // InputError for a checkpoint of another setup and for one that is not finite; the world is then unchanged.
   Checkpoint<Real> save() const;
   void restore(const Checkpoint<Real>& checkpoint);
-  const Journal& journal() const { return organ_.journal(); }  // what it was built from, and its edits since
+  const Journal& journal() const { return organ_.journal(); }  // its setup, and its edits since
   // Returns the cut body at rest as a setup, without displacements, velocities and time. `compacted` says
   // where the vertices and tetrahedra of that setup come from.
   Setup current_setup(CompactMesh& compacted) const { return organ_.current_setup(compacted); }

@@ -32,7 +32,7 @@ NumberLists inverse(const NumberLists& lists, Index count);
 NumberLists tets_under(const Mat3X<double>& points,  // 3 × n [m]
                        const Triangles& triangles, const TetMesh& mesh);
 
-// The tetrahedron of a list that is nearest to p; the first of several. −1 if the list is empty.
+// Returns the tetrahedron of a list that is nearest to p; the first of several. −1 if the list is empty.
 Index nearest_of(std::span<const Index> tets, const TetMesh& mesh, const Vec3d& p);
 
 enum class Touch { apart, never, together };
@@ -42,8 +42,8 @@ enum class Touch { apart, never, together };
 Touch touch(const Topology& topology, Index tet, Index other);
 
 enum class Bond {
-  none,   // some are gone, or two do not share all corners any more that they shared at the start
-  loose,  // they are not all connected by corners that they share
+  none,   // some tetrahedra are gone, or two do not share all corners any more that they shared at the start
+  loose,  // not all are connected by corners that they share
   firm
 };
 Bond bond(const Topology& topology, std::span<const Index> tets);

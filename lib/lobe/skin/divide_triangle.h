@@ -11,14 +11,14 @@ namespace lobe {
 
 // A point on the rim of a triangle: a corner, or a place where a line crosses a side.
 struct RimPoint {
-  int side = 0;                   // from this corner to the next
-  double share = 0;               // of the side; 0: the corner
-  Index before = -1, after = -1;  // what lies under the rim before and behind it; the same at a corner
+  int side = 0;                   // corner from which the side leads to the next one
+  double share = 0;               // place as a share of the side; 0: the corner
+  Index before = -1, after = -1;  // elements under the rim before and behind it; the same at a corner
 };
 
 struct TrianglePart {
-  std::array<int, 3> points;      // of the rim, in its turn
-  std::array<Index, 3> elements;  // that carry them
+  std::array<int, 3> points;      // points of the rim, in its turn
+  std::array<Index, 3> elements;  // elements that carry them
 };
 
 // Returns the parts, which fill the triangle exactly. The lines cut the rim into arcs, and each part lies on

@@ -37,11 +37,11 @@ class Skin {
   // Call it after each edit of the topology. O(what lies on the tetrahedra that are gone, or have other
   // corners). `grains`: World::grains(); null where no blade has cut. Without it what a blade cuts is hidden.
   void follow(const Topology& topology, const MeshEdit& edit, const Grains* grains = nullptr);
-  // The same for all edits since the start at once, for instance of a world that was restored. O(#triangles).
+  // Follows all edits since the start at once, for instance of a world that was restored. O(#triangles).
   void follow_all(const Topology& topology, const Grains* grains = nullptr);
 
   const SkinMesh& mesh() const { return mesh_; }
-  double farthest() const { return farthest_; }  // that a vertex was from its tetrahedron at the start [m]
+  double farthest() const { return farthest_; }  // largest distance of a vertex at the start [m]
   // The number of triangles whose tetrahedra were not connected at the start, because the triangles are far
   // outside of the body or span a hollow of it. They are shown all the same, and may bridge gaps.
   Index loose_count() const;
@@ -53,7 +53,7 @@ class Skin {
   // triangles, weighted by area; it is zero where none is shown. In single precision, for drawing.
   // O(#vertices of skin and mesh), about 10 ns each.
   void update(const Eigen::Ref<const Mat3X<double>>& X,  // 3 × #vertices of the topology, at rest [m]
-              const Eigen::Ref<const Mat3X<float>>& u,   // the same, displacements [m]
+              const Eigen::Ref<const Mat3X<float>>& u,   // 3 × #vertices of the topology, displacements [m]
               Mat3X<float>& x, Mat3X<float>& normals);   // out: 3 × #vertices of the skin [m], [1]
   void update(const Eigen::Ref<const Mat3X<double>>& X, const Eigen::Ref<const Mat3X<double>>& u,
               Mat3X<float>& x, Mat3X<float>& normals);
@@ -77,11 +77,11 @@ class Skin {
 
   // ---- What blades have cut (skin_grains.cpp)
 
-  struct Owner {    // what an edge lies on at a place
+  struct Owner {    // an element under an edge
     Index element;  // −1: gone
-    double share;   // of the edge
+    double share;   // share of the edge
   };
-  struct CutBody {  // the body as it is now
+  struct CutBody {  // present body
     const Topology& topology;
     const Grains& grains;
   };
@@ -90,9 +90,9 @@ class Skin {
   bool has_lost_a_tet(const CutBody& body, Index triangle) const;
   std::span<const Index> copies_of(Index tet) const;
   template <class Visit>
-  void for_elements(Index tet, Visit&& visit) const;  // the tetrahedron and its copies
+  void for_elements(Index tet, Visit&& visit) const;  // takes the tetrahedron and its copies
   bool has_lost_a_copy(const Topology& topology, Index tet) const;
-  Index under(const CutBody& body, Index vertex) const;  // −1: what is gone
+  Index under(const CutBody& body, Index vertex) const;  // −1: its tetrahedron is gone
   Index under(const CutBody& body, std::span<const Index> tets, const Vec3d& p, Index before) const;
   std::vector<Index> triangles_at(const Edge& edge) const;
   bool may_have_gaps(const CutBody& body, const Edge& edge, const std::vector<Index>& tets) const;
@@ -102,14 +102,14 @@ class Skin {
 
   // ---- Parts of triangles (skin_parts.cpp)
 
-  struct OnEdge {            // a place; or a vertex of the file, where a is b and the share 0
+  struct OnEdge {            // a place on an edge; for a vertex of the file a is b and the share 0
     Index a, b;              // carried vertices, the lower number first
-    Index drawn_a, drawn_b;  // the same as they are drawn
-    double share;            // from a to b
+    Index drawn_a, drawn_b;  // numbers of a and b as they are drawn
+    double share;            // share of the way from a to b
   };
   struct Rim {
     std::vector<RimPoint> points;
-    std::vector<OnEdge> places;  // of these
+    std::vector<OnEdge> places;  // their places on edges
   };
   Rim rim_of(const CutBody& body, Index triangle, const Eigen::Vector3i& drawn) const;
   Vec3d at_rest(const OnEdge& place) const;
@@ -126,10 +126,10 @@ class Skin {
 
   SkinMesh mesh_;
   SkinBinding rest_;
-  std::vector<std::uint8_t> is_loose_;  // per triangle of the file: see loose_count()
+  std::vector<std::uint8_t> is_loose_;  // flag of each triangle of the file: see loose_count()
   double farthest_ = 0;                 // distance of a vertex from its tetrahedron at the start [m]
   SkinState state_;
-  bool has_new_revision_ = false;  // in this edit
+  bool has_new_revision_ = false;  // whether this edit has one
   SkinFrame frame_;
 };
 

@@ -10,15 +10,15 @@
 namespace lobe {
 
 struct SkinBinding {
-  TetMesh start;                   // the body
-  Mat3X<double> points;            // of the carried vertices, at rest [m]
-  std::vector<Index> copied_from;  // carried vertices of those behind them, which differ in texture alone
-  Triangles corners;               // 3 × #triangles of the file, carried vertices
+  TetMesh start;                          // the body
+  Mat3X<double> points;                   // carried vertices at rest [m]
+  std::vector<Index> copied_from;         // originals of further vertices, which differ in texture alone
+  Triangles corners;                      // 3 × #triangles of the file, carried vertices
   NumberLists lies_on, lying_on, around;  // tets of triangles, triangles of tets and of carried vertices
 
   Index carried_count() const { return static_cast<Index>(points.cols()); }
   Index first_cut() const { return carried_count() + static_cast<Index>(copied_from.size()); }
-  Index file_count() const { return lies_on.count(); }  // triangles of the file
+  Index file_count() const { return lies_on.count(); }  // number of triangles of the file
   std::span<const Index> corners_in(Index triangle) const { return {corners.col(triangle).data(), 3}; }
 };
 

@@ -12,7 +12,7 @@ class SkinFrame {
  public:
   explicit SkinFrame(const SkinBinding& rest);
 
-  // As Skin::update(), with `drawn` and `state` as they are now.
+  // Works as Skin::update(), with `drawn` and `state` as they are now.
   template <class Real>
   void update(const SkinBinding& rest, const SkinState& state, const SkinMesh& drawn,
               const Eigen::Ref<const Mat3X<double>>& X, const Eigen::Ref<const Mat3X<Real>>& u,
@@ -28,17 +28,17 @@ class SkinFrame {
   void find_cut_normals(const SkinBinding& rest, const SkinState& state, Mat3X<float>& normals) const;
   void list_parts(const SkinBinding& rest, const SkinState& state);
 
-  // At rest, per carried vertex: six triangles around it; where there are fewer, one of no area. Those beyond
-  // six, with their vertex, in its order.
+  // Around each carried vertex at rest: six triangles; where there are fewer, one of no area. Those beyond
+  // six come with their vertex, in its order.
   std::vector<std::array<Index, 6>> six_around_;
   std::vector<std::array<Index, 2>> others_around_;
 
-  // Of the revision of what is shown that was seen last.
+  // The revision of what is shown that was seen last, and what belongs to it.
   std::uint64_t revision_ = 0;
   std::vector<std::array<Index, 2>> parts_around_;  // carried vertices with parts, in the vertices' order
 
   // Scratch.
-  Padded twice_area_;  // per number of a triangle: twice its area along its normal; 0 where it is not shown
+  Padded twice_area_;  // twice the area of each triangle's number along its normal; 0 where it is not shown
   Padded mesh_x_;      // positions of the mesh
   Padded x_;           // positions of carried vertices, then of cut ones
 };

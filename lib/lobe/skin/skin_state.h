@@ -12,35 +12,35 @@
 namespace lobe {
 
 struct SkinState {
-  // The tetrahedra that carry vertices, per carried vertex.
-  std::vector<Index> carrier, element;           // the tetrahedron of the start, and which copy of it
+  // The tetrahedra that carry vertices, one for each carried vertex.
+  std::vector<Index> carrier, element;           // tetrahedron of the start, and which copy of it
   std::vector<Eigen::Vector4f> weights;          // barycentric coordinates in it
   std::vector<Eigen::Vector4i> carrier_corners;  // vertices of the mesh
-  VertexLists<Index> carried_by;                 // per tetrahedron of the start: vertices
+  VertexLists<Index> carried_by;                 // vertices on each tetrahedron of the start
 
   // What is shown. Numbers of triangles are those of the file, one of no area, then those of parts.
   std::vector<Eigen::Vector3i> shown;  // corners of SkinMesh::triangles: carried vertices, then cut vertices
-  std::vector<Index> slot_of;          // per number: its place there; −1 if it is not shown
-  std::vector<Index> number_of;        // per slot
+  std::vector<Index> slot_of;          // place there of each number; −1: it is not shown
+  std::vector<Index> number_of;        // number of each slot
 
   // What blades have divided.
   using Edge = std::pair<Index, Index>;  // carried vertices, ascending
-  struct Gap {                           // of an edge from its vertex of the lower number
-    double share;                        // where it is
-    Index before, after;                 // what the edge lies on before and behind it; −1: what is gone
+  struct Gap {                           // a gap of an edge, seen from its vertex of the lower number
+    double share;                        // place as a share of the edge
+    Index before, after;                 // what the edge lies on before and behind it; −1: it is gone
     bool operator==(const Gap&) const = default;
   };
-  using Place = std::tuple<Index, Index, double, Index>;  // of a cut vertex: as drawn, share, element
-  struct CutVertex {                                      // a vertex that blades have made
+  using Place = std::tuple<Index, Index, double, Index>;  // edge as drawn, share, element of a cut vertex
+  struct CutVertex {                                      // vertex that blades have made
     Place place;
     Index element = -1;
     Eigen::Vector4i corners = Eigen::Vector4i::Zero();
     Eigen::Vector4f weights = Eigen::Vector4f::Zero();
     int uses = 0;  // number of corners of parts
   };
-  struct Divided {             // a triangle of the file
-    Eigen::Vector3i corners;   // as they are drawn
-    std::vector<Index> parts;  // their numbers
+  struct Divided {             // divided triangle of the file
+    Eigen::Vector3i corners;   // corners as they are drawn
+    std::vector<Index> parts;  // numbers of its parts
   };
   std::map<Index, std::vector<Index>> copies_of;  // copies of the tetrahedra that a blade has cut
   std::map<Edge, std::vector<Gap>> gaps;

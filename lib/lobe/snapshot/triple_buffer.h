@@ -81,7 +81,7 @@ class TripleBuffer {
     std::uint32_t index_ = none;
   };
 
-  // The latest value; empty before the first.
+  // Returns the latest value; empty before the first.
   View latest() const {
     const std::uint64_t found = slots_->latest.fetch_add(one_taken, std::memory_order_acquire);
     const std::uint32_t index = static_cast<std::uint32_t>(found);
@@ -94,7 +94,7 @@ class TripleBuffer {
   static_assert(std::atomic<std::uint64_t>::is_always_lock_free);
 
   struct alignas(64) Slot {
-    // Views given back, negative, while it is the latest; afterwards those that are still held. Modulo 2^32.
+    // Views given back, negative, while it is the latest; afterwards views that are still held. Modulo 2^32.
     std::atomic<std::uint32_t> holders{0};
     T value;
   };

@@ -13,10 +13,10 @@ class Discretisation {
   virtual ~Discretisation() = default;
 
   virtual EnergyAndForces energy_and_forces(const Mat3X<double>& u) const = 0;  // 3 × #nodes [m]
-  // The tangent at a state, of the elements alone.
+  // Finds the tangent at a state, of the elements alone.
   virtual void update(const Mat3X<double>& u) = 0;
-  virtual void add_diagonal(const Mat3X<double>& k) = 0;  // of springs, 3 × #nodes [N/m]
-  // See Tangent, whose functions these are.
+  virtual void add_diagonal(const Mat3X<double>& k) = 0;  // adds springs, 3 × #nodes [N/m]
+  // The following functions are those of Tangent.
   virtual std::unique_ptr<SparseFactor> make_factor(const SparseFactorMaker& wanted) const = 0;
   virtual bool factorise(SparseFactor& factor, bool& damped) = 0;
   // Factorises the tangent as it is. Returns whether it is positive definite.

@@ -11,7 +11,7 @@ struct StaticEquations {
   Unknowns unknowns;
   Mat3X<double> prescribed;        // displacements where they are given, 3 × #nodes, at full load [m]
   Mat3X<double> loads;             // 3 × #nodes, at full load [N]
-  Mat3X<double> stiffness{};       // of springs to places, 3 × #nodes [N/m]; or no column
+  Mat3X<double> stiffness{};       // stiffness of springs to places, 3 × #nodes [N/m]; or no column
   Mat3X<double> spring_targets{};  // displacements of these places, 3 × #nodes, at full load [m]
 };
 

@@ -23,8 +23,8 @@ struct DynamicState {
 };
 
 struct StepLoads {
-  const std::vector<double>& mass;  // per vertex [kg]
-  Mat3X<double> external;           // at t_α, 3 × #vertices [N]
+  const std::vector<double>& mass;  // mass of each vertex [kg]
+  Mat3X<double> external;           // loads at t_α, 3 × #vertices [N]
   Mat3X<double> prescribed;         // displacements of held components at the step's end, 3 × #vertices [m]
   double damping = 0;               // γ [1/s]
 };
@@ -44,7 +44,7 @@ class ImplicitStep {
 
   double load_time() const { return 1 - alpha_f_; }  // t_α = t + load_time() Δt
 
-  // False if Newton's method did not converge. The motion is then unchanged, and a smaller step may work.
+  // Returns false if Newton's method did not converge. The motion is then unchanged; a smaller step may work.
   bool step(const StepLoads& loads, double dt, DynamicState& motion);
 
  private:

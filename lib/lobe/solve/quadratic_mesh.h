@@ -11,7 +11,7 @@ struct QuadraticMesh {
 
   Index node_count() const { return vertices + static_cast<Index>(ends.size()); }
 
-  // Values at the vertices, #components × #vertices, and half way between them in the middle of edges.
+  // Takes values at the vertices, #components × #vertices, to the nodes: in the middle of an edge their mean.
   template <class Field>
   Field joined_linearly(const Field& at_vertices) const {
     Field at_nodes(at_vertices.rows(), node_count());
@@ -23,9 +23,9 @@ struct QuadraticMesh {
   }
 
   Index vertices = 0;  // nodes from 0 on are the vertices of the mesh, by their numbers
-  // Of each further node: the vertices between which it lies. refine() gives its new vertices the same order.
+  // The ends of the edge of each further node. refine() gives its new vertices the same order.
   std::vector<MeshEdge> ends;
-  // Per tetrahedron: its corners, then its edges in the order of edge_corners.
+  // Nodes of each tetrahedron: its corners, then its edges in the order of edge_corners.
   Eigen::Matrix<Index, 10, Eigen::Dynamic> nodes;
 };
 

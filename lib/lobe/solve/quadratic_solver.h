@@ -12,11 +12,11 @@ namespace lobe {
 // an edge whose ends are given moves with them. Gravity and tractions are integrated with the functions of
 // the nodes. Forces on vertices act there.
 StaticEquations quadratic_equations(const Setup& setup, const QuadraticMesh& mesh);
-// The same with these nodes given in place of those of the setup; `vertex` is the number of a node.
+// The equations with these nodes given in place of those of the setup; `vertex` is the number of a node.
 StaticEquations quadratic_equations(const Setup& setup, const QuadraticMesh& mesh,
                                     const std::vector<PrescribedVertex>& given);
 
-// Everything in the result is of the nodes, of which the first are the vertices; volume ratios are those at
+// The result is that of the nodes, of which the first are the vertices; volume ratios are those at
 // points of integration. Tools are ignored. Throws InputError as solve_static() does.
 StaticResult solve_static_quadratic(const Setup& setup, const StaticOptions& options = {});
 StaticResult solve_static_quadratic(const Setup& setup, const QuadraticMesh& mesh,

@@ -15,18 +15,18 @@
 namespace lobe {
 
 struct RestShapeOptions {
-  double tolerance = 1e-5;   // of the distance below [m]
-  int most_iterations = 60;  // each is a static solution
+  double tolerance = 1e-5;   // bound of the distance below [m]
+  int most_iterations = 60;  // iterations, each with a static solution
   StaticOptions statics = {};
   std::function<void(int iteration, double distance)> progress = {};
 };
 
 struct RestShape {
   bool converged = false;
-  std::string reason;    // why not, in one line
-  Mat3X<double> points;  // at rest, 3 × #vertices [m]
-  Mat3X<double> u;       // from there into equilibrium under the loads [m]
-  double distance = 0;   // largest, of a vertex of points + u from where it was given [m]
+  std::string reason;    // reason why not, in one line
+  Mat3X<double> points;  // positions at rest, 3 × #vertices [m]
+  Mat3X<double> u;       // displacement from there into equilibrium under the loads [m]
+  double distance = 0;   // largest distance of a vertex of points + u from where it was given [m]
   int iterations = 0;
 };
 

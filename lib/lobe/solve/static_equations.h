@@ -7,7 +7,7 @@
 
 namespace lobe {
 
-// Of all loads but pressures, which depend on where the walls are (forces/pressure.h).
+// Equations with all loads but pressures, which depend on where the walls are (forces/pressure.h).
 StaticEquations static_equations(const Setup& setup, const Elements& elements);
 
 }  // namespace lobe

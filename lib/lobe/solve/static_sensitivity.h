@@ -11,12 +11,12 @@
 
 namespace lobe {
 
-// The setup at a value of θ: on the same mesh, with the same components held at the same displacements.
+// Gives the setup at a value of θ: on the same mesh, with the same components held at the same displacements.
 using SetupAt = std::function<Setup(double value)>;
 
 struct StaticDerivative {
   Mat3X<double> u;          // ∂u/∂θ, 3 × #vertices [m per unit of θ]
-  Mat3X<double> reactions;  // of those of StaticResult, 3 × #vertices [N per unit of θ]
+  Mat3X<double> reactions;  // derivatives of StaticResult::reactions, 3 × #vertices [N per unit of θ]
 };
 
 class StaticSensitivity {
@@ -24,8 +24,8 @@ class StaticSensitivity {
   // `u` is the equilibrium of the setup, 3 × #vertices [m]. Throws InputError if it is not stable.
   StaticSensitivity(const Setup& setup, const Mat3X<double>& u, const SparseFactorMaker& factor = make_ldlt);
 
-  // At the value that the setup has. Differences over `step` are taken of forces at given displacements,
-  // which are almost linear in moduli, and of no solution.
+  // Returns the derivative at the value that the setup has. Differences over `step` are taken of forces at
+  // given displacements, which are almost linear in moduli, and of no solution.
   StaticDerivative by(const SetupAt& at, double value, double step) const;
 
   // The displacements that small forces cause beside the loads, 3 × #vertices [N] to [m].

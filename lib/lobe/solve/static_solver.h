@@ -14,9 +14,9 @@
 namespace lobe {
 
 struct StaticOptions {
-  double tolerance = 1e-10;          // of the residual, relative to the loads and reactions
-  int most_iterations = 60;          // of Newton's method per load step
-  double smallest_load_step = 1e-4;  // as a fraction of all loads and prescribed displacements
+  double tolerance = 1e-10;          // bound of the residual, relative to the loads and reactions
+  int most_iterations = 60;          // iterations of Newton's method per load step
+  double smallest_load_step = 1e-4;  // smallest fraction of all loads and prescribed displacements in a step
   SparseFactorMaker factor = make_ldlt;
   // A guess at the solution, 3 × #vertices [m]. If none is given or it leads nowhere, all loads are tried at
   // once from u = 0, then in steps.
@@ -26,17 +26,17 @@ struct StaticOptions {
 
 struct StaticResult {
   bool converged = false;
-  std::string reason;        // why not, in one line, with the remedy
-  double load_fraction = 0;  // reached in equilibrium, 1 = all of it
-  double residual = 0;       // relative, at that fraction
+  std::string reason;        // reason why not, in one line, with the remedy
+  double load_fraction = 0;  // fraction reached in equilibrium, 1 = all of it
+  double residual = 0;       // relative residual at that fraction
   Mat3X<double> u;           // 3 × #vertices, displacement in equilibrium at load_fraction [m]
-  // Of what holds the body: forces on it where displacements are given, 3 × #vertices [N].
+  // Reactions of what holds the body, forces on it where displacements are given, 3 × #vertices [N].
   Mat3X<double> reactions;
-  double energy = 0;                 // elastic [J]
-  double smallest_volume_ratio = 1;  // det F, over the non-linear region
-  Index worst_tet = -1;              // where that is, or where the solver was stopped
-  int iterations = 0;                // of Newton's method, in all
-  int load_steps = 0;                // accepted
+  double energy = 0;                 // elastic energy [J]
+  double smallest_volume_ratio = 1;  // smallest det F over the non-linear region
+  Index worst_tet = -1;              // tetrahedron where that is, or where the solver was stopped
+  int iterations = 0;                // iterations of Newton's method in all
+  int load_steps = 0;                // number of accepted load steps
   Index unknowns = 0;
   std::string factor;             // method and ordering
   long long factor_nonzeros = 0;  // fill of the factor

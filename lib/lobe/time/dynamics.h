@@ -14,7 +14,7 @@ namespace lobe {
 struct Energies {  // [J]
   double kinetic = 0, elastic_linear = 0, elastic_nonlinear = 0;
   double loads = 0;    // −(gravity and dead loads) · u
-  double applied = 0;  // of force terms, and of the springs of partly held vertices
+  double applied = 0;  // energy of force terms, and of the springs of partly held vertices
   double elastic() const { return elastic_linear + elastic_nonlinear; }
   double total() const { return kinetic + elastic() + loads + applied; }
 };
@@ -35,7 +35,7 @@ struct Dynamics {
   double damping = 0;  // γ [1/s]
 
   // Computes all forces at the state into motion.forces [N], held vertices included.
-  // `kick` says what the step makes of them that follows; none: no step does.
+  // `kick` says what the step that follows makes of them; none: no step follows.
   void find_forces(const Kick& kick = {});
   // The kick of a step of dt [s] from the present state.
   Kick kick_of(double dt) const {
@@ -44,14 +44,14 @@ struct Dynamics {
   }
   // Computes the displacements of what follows others, and its velocities if asked for.
   void recover(typename Regions<Real>::Interior wanted);
-  void recover_followers();  // with their velocities, if there are any
+  void recover_followers();  // with velocities, if there are any
   void find_moving();        // finds the vertices that move
-  void prepare_inertia();    // and the couplings of selective masses
+  void prepare_inertia();    // prepares the couplings of selective masses, too
   Energies energies();
-  Energies energies_without_terms();  // of forces
+  Energies energies_without_terms();  // all but the energy of force terms
   Vec3d reaction(int holder);         // force that the holder must apply now [N]
 
-  // Where the springs of partly held vertices draw them now: prescribed(item), a displacement [m].
+  // Sets where the springs of partly held vertices draw them now: prescribed(item), a displacement [m].
   template <class Prescribed>
   void aim_hold_springs(Prescribed&& prescribed) {
     hold_springs.follow(model);

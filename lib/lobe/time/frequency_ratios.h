@@ -12,22 +12,22 @@
 
 namespace lobe {
 
-struct RestFrequencies {  // of a body
+struct RestFrequencies {  // frequencies of a body at rest
   double omega = 0;       // the highest [rad/s], with the masses of a degree; 0: it was not measured
-  double lumped = 0;      // the same with lumped masses
-  double ratio = 1;       // the latter over the highest frequency of a single vertex
+  double lumped = 0;      // highest frequency with lumped masses
+  double ratio = 1;       // ratio of that to the highest frequency of a single vertex
 };
 
 struct FrequencyRatios {
-  static constexpr int evaluations = 8;      // of all forces, at most, to measure it once more
+  static constexpr int evaluations = 8;      // evaluations of all forces, at most, to measure it once more
   static constexpr double slightest = 0.02;  // change of the limit that is worth it
   static constexpr int most_steps = static_cast<int>(2 * evaluations / slightest);
 
-  double most = 1;               // of a vertex of which nothing is known
-  std::vector<float> of_vertex;  // per vertex, up to most
-  double of_nodes = 1;           // ω_max to the bound of the nodes of a lattice
-  double limit = 0;              // of the time step, when it was measured [s]
-  int steps = 0;                 // since then, up to most_steps
+  double most = 1;               // ratio of a vertex of which nothing is known
+  std::vector<float> of_vertex;  // ratio of each vertex, up to `most`
+  double of_nodes = 1;           // ratio of ω_max to the bound of the nodes of a lattice
+  double limit = 0;              // limit of the time step when it was measured [s]
+  int steps = 0;                 // steps since then, up to most_steps
 
   bool is_valid() const {
     return most > 0 && std::isfinite(most) && of_nodes > 0 && of_nodes <= 1 && limit >= 0 && steps >= 0 &&
@@ -52,7 +52,7 @@ struct FrequencyRatios {
   }
   void extend(Index vertices) { of_vertex.resize(std::size_t(vertices), static_cast<float>(most)); }
   void forget(Index v) { of_vertex[std::size_t(v)] = static_cast<float>(most); }
-  void forget_all(double ratio) {  // of the vertex of the highest estimate; all vertices have it from now on
+  void forget_all(double ratio) {  // ratio: of the vertex of the highest estimate; all have it now
     most = ratio;
     std::fill(of_vertex.begin(), of_vertex.end(), static_cast<float>(ratio));
   }

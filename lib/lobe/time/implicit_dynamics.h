@@ -31,7 +31,7 @@ class ImplicitDynamics {
 
   ImplicitStep step_;
   Mat3X<double> acceleration_;  // [m/s²]
-  Revisions at_;                // that they belong to
+  Revisions at_;                // revisions to which they belong
   bool is_new_ = true;
   bool has_tangent_ = false;
 };

@@ -28,8 +28,8 @@ class Inertia {
   void update(const Model& model, const std::vector<Index>& vertices);
   // Computes the inverse mass of a vertex whose mass has changed, or that was held or released.
   void update_inverse(Model& model, Index v);
-  // For changing masses directly: those of a condensed interior move to its interface. Call raise_to_floor()
-  // next.
+  // Masses that are changed directly: those of a condensed interior go to its interface. Then call
+  // raise_to_floor().
   std::vector<double>& masses() { return mass_; }
   // Sets the mass floor, which keeps vertices at a cut from needing shorter steps. It acts on vertices that
   // are updated from now on.
@@ -38,7 +38,7 @@ class Inertia {
   // Finds what the floor needs of each tetrahedron, ahead of the first cut. O(#tets).
   void prepare_floor(const Elements& elements);
   void raise_to_floor(const Model& model, const std::vector<Index>& vertices);
-  double mass_of_floor() const { return sum_of_floor_; }  // that it has added [kg]
+  double mass_of_floor() const { return sum_of_floor_; }  // mass that the floor has added [kg]
   // The mass on which gravity acts [kg]. Mass of the floor has no weight.
   double weighs(Index v) const {
     return mass_[std::size_t(v)] - (v < static_cast<Index>(added_.size()) ? added_[std::size_t(v)] : 0);
@@ -51,16 +51,16 @@ class Inertia {
   template <class IsAsleep>
   void find_moving(const Model& model, std::uint64_t sleepers, IsAsleep&& is_asleep, Motion<Real>& motion);
   const std::vector<MovingVertex<Real>>& moving() const { return moving_; }  // free vertices
-  const std::vector<Held>& driven() const { return driven_; }  // held, but not at one place in all components
+  const std::vector<Held>& driven() const { return driven_; }                // held vertices that do not rest
 
   // ---- Selective masses (selective_mass.h)
 
   bool may_be_selective() const { return highest_degree_ > 1; }
   bool is_selective() const { return selective_.degree() > 1; }
-  int degree() const { return degree_; }                  // asked for
+  int degree() const { return degree_; }                  // degree that was asked for
   int degree_now() const { return selective_.degree(); }  // 1 while masses are lumped for a while
-  std::vector<int> degrees() const;                       // that can be used; the last is the setup's
-  void check_degree(int degree) const;                    // throws InputError for one that there is not
+  std::vector<int> degrees() const;                       // degrees that can be used; the last is the setup's
+  void check_degree(int degree) const;                    // throws InputError for a degree that there is not
   void ask_for(int degree) { degree_ = degree; }
   void use(int degree) { selective_.set_degree(degree); }
   // Adds vertices around which the couplings must be updated after an edit.
@@ -84,8 +84,8 @@ class Inertia {
  private:
   std::vector<double> mass_, inverse_mass_;  // [kg], [1/kg]
   MassFloor floor_;
-  std::vector<double> added_;        // by the floor [kg], or empty
-  std::vector<double> tet_squares_;  // for the floor [1/s²], of tetrahedra of the start; 0: not found yet
+  std::vector<double> added_;        // mass that the floor has added [kg], or empty
+  std::vector<double> tet_squares_;  // ω_T² of tetrahedra of the start [1/s²]; 0: not found yet
   double sum_of_floor_ = 0;
 
   std::vector<MovingVertex<Real>> moving_;

@@ -41,9 +41,9 @@ class SelectiveMass {
   void apply(const std::vector<HeldVertices::Held>& sliding, Parallel& parallel, Mat3X<Real>& f);
   struct Acceleration {
     double norm = 0;    // √Σ m |C f|² [√kg m/s²]
-    Index vertex = -1;  // that has the most of it
+    Index vertex = -1;  // vertex with the largest share of it
   };
-  Acceleration acceleration() const;  // of the last call
+  Acceleration acceleration() const;  // those of the last call
 
   // -P'(0) over the highest eigenvalue of M⁻¹L [s²]: for long waves C f is M⁻¹(f - dispersion L M⁻¹f).
   double dispersion(int degree) const;
@@ -55,8 +55,8 @@ class SelectiveMass {
   };
   struct Row {
     std::vector<Neighbour> neighbours;
-    double stiffness = 0;  // of L where only this vertex moves, before `ratio` [N/m]
-    double ratio = 0;      // by how much stiffer the body is at this vertex
+    double stiffness = 0;  // stiffness of L where only this vertex moves, before `ratio` [N/m]
+    double ratio = 0;      // ratio of the body's stiffness at this vertex to that
   };
   // One neighbour of each of four consecutive vertices.
   struct Four {
@@ -67,18 +67,18 @@ class SelectiveMass {
 
   Row find_row(const Elements& elements, Index vertex, const std::function<bool(Index)>& takes_part) const;
   double weight(Index vertex, const Neighbour& neighbour) const;
-  void divide(Real by);  // what has been arranged
+  void divide(Real by);  // divides what has been arranged
   template <class Use>
   void multiply(const Vectors& x, Index begin, Index end, Use&& use) const;
 
   int degree_ = 1;
-  std::vector<Row> rows_;  // per vertex
+  std::vector<Row> rows_;  // row of each vertex
   double highest_ = 1;     // a bound of the eigenvalues of M⁻¹L [1/s²]
 
   // M⁻¹L over its bound, for the vertices that move, in groups of four.
   std::vector<MovingVertex<Real>> order_;
-  std::vector<Index> place_of_;  // per vertex, −1 if it does not move
-  std::vector<Index> starts_;    // of each four
+  std::vector<Index> place_of_;  // place of each vertex, −1 if it does not move
+  std::vector<Index> starts_;    // starts of each four
   std::vector<Four> fours_;
   std::vector<Real> diagonal_;
   Vectors right_, now_, next_;  // scratch

@@ -18,9 +18,9 @@ class Sleep {
   static constexpr double still_time = 0.1;  // a vertex that is still for so long may fall asleep [s]
   // Part of a checkpoint; empty if nothing may sleep.
   struct State {
-    std::vector<std::uint8_t> asleep;  // per vertex
-    std::vector<double> still_since;   // per vertex [s]
-    std::vector<double> squares;  // per vertex: ω_v² or a bound of it, when the step limit was found [1/s²]
+    std::vector<std::uint8_t> asleep;  // flag of each vertex
+    std::vector<double> still_since;   // time since when each vertex is still [s]
+    std::vector<double> squares;  // ω_v² of each vertex or a bound of it, from the last step limit [1/s²]
 
     bool is_valid() const {
       return std::all_of(asleep.begin(), asleep.end(), [](auto one) { return one <= 1; }) &&
@@ -47,7 +47,7 @@ class Sleep {
     state_.still_since.resize(std::size_t(vertices), time);
     state_.squares.resize(std::size_t(vertices), 0);
   }
-  // Call it when the step limit has been found. `square`: of a vertex, ω_v² or a bound of it [1/s²].
+  // Call it when the step limit has been found. `square`: ω_v² of a vertex, or a bound of it [1/s²].
   template <class Square>
   void see_frequencies(const Square& square) {
     for (std::size_t v = 0; v < state_.squares.size(); ++v) state_.squares[v] = square(Index(v));
@@ -74,7 +74,7 @@ class Sleep {
  private:
   struct BorderVertex {  // a sleeping vertex next to one that is awake
     Index vertex = 0;
-    double most = 0;  // a larger force wakes it [N]
+    double most = 0;  // force above which it wakes [N]
   };
 
   template <class Real>
@@ -97,7 +97,7 @@ class Sleep {
   std::uint64_t revision_ = 0;
   bool frame_begins_ = false;
 
-  // What a step reads while a vertex sleeps, and the revisions for which it was found:
+  // Data that a step reads while a vertex sleeps, and the revisions for which they were found:
   std::vector<Index> evaluated_;
   std::vector<BorderVertex> border_;
   struct FoundAt {

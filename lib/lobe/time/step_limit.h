@@ -19,7 +19,7 @@ class StepLimit {
  public:
   using Body = Dynamics<Real>;
 
-  // `mean_edge`: displacements that are small against it are small [m].
+  // `mean_edge`: displacements far smaller than it are small [m].
   explicit StepLimit(double mean_edge) : mean_edge_(mean_edge) {}
 
   // Returns the longest stable step Δt at the present state [s]: the positive root of
@@ -28,7 +28,7 @@ class StepLimit {
   // at least a quarter of that at rest. Infinite if nothing is free. Costs O(#tetrahedra) if the state has
   // changed since the last call. Cuts are followed locally, except with averages of several tetrahedra.
   double find(Body& body);
-  // The same from scratch, as a restored world computes it, so that both get the same bits.
+  // Finds it from scratch, as a restored world does, so that both get the same bits.
   void find_anew(Body& body);
   // ---- For frames. The limit is found once in each `interval` of simulated time, counted from 0: about a
   // frame of 60 Hz, as a pass over all tetrahedra costs as much as two or three steps. In between the last
@@ -36,13 +36,13 @@ class StepLimit {
   static constexpr double interval = 0.015;  // [s]
   bool holds(const Body& body) const;
   double for_frame(Body& body) { return holds(body) ? frame_limit_.limit : keep(body); }
-  double at_end(Body& body);  // of a frame; infinite where the last one holds
+  double at_end(Body& body);  // limit at the end of a frame; infinite where the last one holds
   // At the start of a frame: whether the limit was found since the start of the last frame, or no longer
   // holds.
   bool is_due(const Body& body) { return std::exchange(frame_limit_.is_new, false) || !holds(body); }
   double keep(Body& body);       // finds it now
   struct FrameLimit {            // part of a checkpoint
-    double limit = 0, time = 0;  // [s]; when it was found
+    double limit = 0, time = 0;  // limit, and the time when it was found [s]
     bool is_new = true;
     Index limiting_vertex = -1, volume_ratio_tet = -1;
     double volume_ratio = 1;
@@ -67,19 +67,19 @@ class StepLimit {
   // is removed with it, or moves to the copy of a vertex. A pass over everything is needed with averages of
   // several tetrahedra, a pre-computed or reduced region or a force term, and where the tetrahedron of the
   // smallest volume ratio is removed.
-  // `shares_before`: one for each of edit.shares, 0 of a new copy.
+  // `shares_before`: a share for each of edit.shares, 0 for a new copy.
   void follow(const Body& body, const MeshEdit& edit, const std::vector<double>& shares_before);
   // Follows a change of the model of a tetrahedron, which change() performs.
   template <class Change>
   void follow_region(const Body& body, Index tet, Change&& change);
   void extend(Index vertices) { ratios_.extend(vertices); }
-  // Call it when other vertices are embedded than before: nothing is measured then of the nodes.
+  // Call it when other vertices are embedded than before: nothing is then measured of the nodes.
   void forget_nodes() {
     forget();
     ratios_.of_nodes = 1;
   }
-  void update(const Body& body, Index vertex);  // after its inverse mass has changed
-  // The next frame finds it anew, as after an edit.
+  void update(const Body& body, Index vertex);  // call it after its inverse mass has changed
+  // Makes the next frame find it anew, as after an edit.
   void forget() {
     known_ = Known::nothing;
     frame_limit_at_ = {};
@@ -88,7 +88,7 @@ class StepLimit {
   double bounded_square(Index v) const {  // ω_v² or a bound of it [1/s²]
     return frequencies_.bounded_square(v) / ratios_.square(v);
   }
-  // The same times the square of its ratio [1/s²], by which a vertex limits the step. 0 where its bound is
+  // ω_v² times the square of its ratio [1/s²], by which a vertex limits the step. 0 where its bound is
   // not above `least`, and everywhere if the limit was found at an earlier state.
   double limiting_square(const Body& body, Index v, double least) const {
     const bool may_be = is_known(body) && frequencies_.bounded_square(v) > least;
@@ -100,11 +100,11 @@ class StepLimit {
   VertexFrequency highest_vertex(Body& body);  // the estimate without ratios, found again
   // The highest frequency at rest with lumped masses, condensed or expanded, whichever is higher [rad/s].
   double highest_at_rest() const { return std::max(at_rest_[0][1].omega, at_rest_[1][1].omega); }
-  const HighestFrequency& search() const { return search_; }  // the last at rest
+  const HighestFrequency& search() const { return search_; }  // last search at rest
   Index limiting_vertex() const { return frame_limit_.limiting_vertex; }
   double volume_ratio() const {
     return frame_limit_.volume_ratio;
-  }  // the smallest det F, when it was last kept
+  }  // smallest det F when the limit was last kept
   Index volume_ratio_tet() const { return frame_limit_.volume_ratio_tet; }
 
   // Highest frequencies of the body at rest, condensed or expanded as it is now [rad/s]: with its masses, and
@@ -113,8 +113,8 @@ class StepLimit {
   double lumped_omega_at_rest(const Body& body) const { return at_rest_[body.regions.mode()][1].omega; }
   double lumped_ratio_at_rest(const Body& body) const { return at_rest_[body.regions.mode()][1].ratio; }
 
-  // The same of the body as it was set up and expanded: of one that cannot be expanded only with lumped
-  // masses, and condensed.
+  // The frequencies of the body as it was set up, and expanded. A body that cannot be expanded has only those
+  // with lumped masses, condensed.
   RestFrequencies of_whole_at_rest(int degree, bool is_measured) const {
     const auto& of_degrees = at_rest_[1];
     return {is_measured ? of_degrees[std::size_t(degree)].omega : 0, of_degrees[1].omega,
@@ -132,8 +132,8 @@ class StepLimit {
   };
   enum class Known {
     nothing,
-    followed,  // cuts followed since it was found
-    anew       // what a restored world would find, to the bit
+    followed,  // edits were followed since it was found
+    anew       // it is what a restored world would find, to the bit
   };
 
   bool is_known(const Body& body) const {
@@ -158,7 +158,7 @@ class StepLimit {
   double mean_edge_;
   VertexFrequencies<Real> frequencies_;  // weighed with ratios_
   FrequencyRatios ratios_;
-  // In each mode of the regions, with each degree.
+  // Frequencies at rest in each mode of the regions, with each degree.
   std::array<std::array<RestFrequency, highest_mass_degree + 1>, Regions<Real>::most_modes> at_rest_;
   HighestFrequency search_;
   Known known_ = Known::nothing;
@@ -166,7 +166,7 @@ class StepLimit {
   Index limiting_vertex_ = -1;
   double node_omega_ = 0;  // a bound of the frequencies of nodes [rad/s]
   std::vector<double> node_squares_;
-  double damping_rate_ = 0;  // by force terms [1/s]
+  double damping_rate_ = 0;  // rate of force terms [1/s]
   double volume_ratio_ = 1;
   Index volume_ratio_tet_ = -1;
   FrameLimit frame_limit_;

@@ -21,9 +21,9 @@ class Unravelling {
   static constexpr int stages = static_cast<int>(rings.size());
 
   struct State {              // part of a checkpoint
-    std::vector<Index> tets;  // linear for now, sorted; none: nothing is being unravelled
+    std::vector<Index> tets;  // tetrahedra that are linear for now, sorted; none: nothing is being unravelled
     int stage = 0;     // stages tried since a tool last moved the body or its state was set, up to `stages`
-    double since = 0;  // when the present stage, or the tangle, began [s]
+    double since = 0;  // time when the present stage, or the tangle, began [s]
     bool is_lumped = false;  // selective masses wait until nothing is crushed
 
     bool is_valid() const { return stage >= 0 && stage <= stages && std::isfinite(since); }
@@ -33,7 +33,7 @@ class Unravelling {
   Unravelling() = default;
   // A tangle has some time to come undone by itself: that in which the slowest shear wave crosses the body 16
   // times.
-  explicit Unravelling(const Elements& elements, double diagonal);  // of the bounding box [m]
+  explicit Unravelling(const Elements& elements, double diagonal);  // diagonal of the bounding box [m]
 
   bool is_on() const { return !state_.tets.empty(); }
   bool is_lumped() const { return state_.is_lumped; }
@@ -54,7 +54,7 @@ class Unravelling {
 
   struct Remedy {
     RegionModel model = tangling_model;
-    std::vector<Index> tets;  // to be given that model
+    std::vector<Index> tets;  // tetrahedra that are to get this model
     std::string why;
   };
   // Returns what must be done in this frame, if anything. was_held(tet): whether something held the piece of
@@ -74,7 +74,7 @@ class Unravelling {
   double patience_ = 0;  // [s]
 };
 
-// det F of a tetrahedron.
+// Returns det F of a tetrahedron.
 template <class Real>
 double volume_ratio_of(const Elements& elements, Index tet, const Mat3X<Real>& u);
 

@@ -22,7 +22,7 @@ struct VertexFrequency {
 // property of one tetrahedron.
 using CornerStiffness = Eigen::Matrix<double, 6, 4>;
 CornerStiffness corner_stiffness(const Elements& elements, Index tet,
-                                 const Mat34<double>& u);  // of its corners [m]
+                                 const Mat34<double>& u);  // displacements of its corners [m]
 
 template <class Real>
 class VertexFrequencies {
@@ -44,7 +44,7 @@ class VertexFrequencies {
     squares_.assign(K_.count(), [&](Index v) { return bound(v) * weight(v); });
   }
 
-  // After one of these, call update() for the vertices.
+  // Call update() for the vertices after one of these.
   void extend(Index vertices) {
     K_.extend(vertices);
     is_exact_.resize(std::size_t(vertices), 0);
@@ -77,7 +77,7 @@ class VertexFrequencies {
   double exact_square(Index vertex, double weight) const;
 
  private:
-  double bound(Index vertex) const;  // of the largest eigenvalue of K_vv
+  double bound(Index vertex) const;  // bound of the largest eigenvalue of K_vv
 
   Eigen::Matrix<double, 6, 1> stiffness(Index v) const { return K_.col(v).template cast<double>(); }
 

@@ -11,9 +11,9 @@ namespace lobe {
 struct BringCautery {
   static constexpr bool needs_grains = false;
   std::string name;
-  double radius = 0;               // of its tip and of its hook [m], > 0
-  Vec3d position = Vec3d::Zero();  // of its tip [m]
-  Vec3d hook = Vec3d::Zero();      // from its tip to the end of the hook [m]; zero: it has none
+  double radius = 0;               // radius of its tip and of its hook [m], > 0
+  Vec3d position = Vec3d::Zero();  // place of its tip [m]
+  Vec3d hook = Vec3d::Zero();      // vector from its tip to the end of the hook [m]; zero: it has none
   double core = 0;                 // radius of the rigid wire in it [m], below `radius`; 0: it has none
   void check(Index vertex_count, const Options& used) const;
   bool operator==(const BringCautery&) const = default;
@@ -27,19 +27,19 @@ struct Cautery {
   using Bring = BringCautery;
   ToolId id = 0;
   std::string name;
-  double radius = 0;  // of its spherical tip [m]
+  double radius = 0;  // radius of its spherical tip [m]
   // Positions of its tip [m], one list for each time it was on; the last is the present one.
   std::vector<GrowingPath> strokes;
   bool is_live = false;                 // brought by a command and led by hand; others follow a scene
   bool burns = false;                   // whether it is on; always false in a tool that is not live
-  bool is_away = false;                 // of live ones: it was taken away
-  Vec3d hook = Vec3d::Zero();           // from its tip to the end of the hook [m], before it turns
-  ToolPose pose;                        // of a live one
-  std::optional<ToolPose> target = {};  // at the end of the next frame
+  bool is_away = false;                 // whether a live one was taken away
+  Vec3d hook = Vec3d::Zero();           // vector from its tip to the end of the hook [m], before it turns
+  ToolPose pose;                        // pose of a live one
+  std::optional<ToolPose> target = {};  // pose at the end of the next frame
   RigidShape core;                      // a capsule along z, or a sphere; of radius 0: there is none
-  GrowingPath core_path;                // of a core: positions, and turns of z
-  bool has_left = false;                // of a live one with a core: nothing feels it any more
-  // Means over the last frame of what its core does to the body [N], and about its tip [N m].
+  GrowingPath core_path;                // path of a core: positions, and turns of z
+  bool has_left = false;                // whether nothing feels the core of a live one any more
+  // Means over the last frame: the force of its core on the body [N], and its torque about the tip [N m].
   Vec3d force = Vec3d::Zero(), torque = Vec3d::Zero();
 
   Cautery() = default;
@@ -55,13 +55,13 @@ struct Cautery {
   bool is_on() const { return burns; }
   ToolShape shape() const { return {.radius = radius, .blade = hook}; }
   void begin_frame(double time, double end);
-  std::vector<CauterySetup> paths() const;     // of a live one, without its core:
-  std::vector<ProbeSetup> core_paths() const;  // which gives the same forces as a probe
+  std::vector<CauterySetup> paths() const;     // paths of a live one without its core
+  std::vector<ProbeSetup> core_paths() const;  // paths of the core, as a probe with the same forces
   void add_work(double from, double to, ToolWork& work) const;
   void append_bodies(double from, double to, std::vector<ToolBody>& bodies) const;
   std::optional<PlacedTool> placed(double time, const HeldPoints& held) const;  // none: it is nowhere
   bool fits(Index vertex_count) const;
-  Vec3d wire_at(const Eigen::Vector4d& orientation) const;  // from its tip to the end of its hook [m]
+  Vec3d wire_at(const Eigen::Vector4d& orientation) const;  // vector from its tip to the end of its hook [m]
 
   static constexpr auto fields =
       std::tuple(&Cautery::id, &Cautery::name, &Cautery::radius, &Cautery::strokes, &Cautery::is_live,

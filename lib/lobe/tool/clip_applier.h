@@ -12,7 +12,7 @@ struct BringClipApplier {
   static constexpr bool needs_grains = false;
   std::string name;
   ClipShape clip;
-  Vec3d position = Vec3d::Zero();           // of the middle of the clip [m]
+  Vec3d position = Vec3d::Zero();           // place of the middle of the clip [m]
   Eigen::Vector4d orientation{0, 0, 0, 1};  // unit quaternion x, y, z, w: axes of ClipShape
   void check(Index vertex_count, const Options& used) const;
   bool operator==(const BringClipApplier&) const = default;
@@ -26,13 +26,13 @@ struct ClipApplier {
   ToolId id = 0;
   std::string name;
   ClipShape clip;
-  GrowingPath closed;  // where and when it has closed clips; of a scene, where it will
+  GrowingPath closed;  // times and places of the clips closed; for one of a scene, of those to close
   bool is_live = false;
-  bool is_shut = false;                 // only of live ones
-  bool is_closing = false;              // of live ones: a clip closes when the next frame begins
-  bool is_away = false;                 // of live ones: it was taken away
-  ToolPose pose;                        // of a live one
-  std::optional<ToolPose> target = {};  // at the end of the next frame
+  bool is_shut = false;                 // whether a live one is shut
+  bool is_closing = false;              // whether a clip closes when the next frame begins
+  bool is_away = false;                 // whether a live one was taken away
+  ToolPose pose;                        // pose of a live one
+  std::optional<ToolPose> target = {};  // pose at the end of the next frame
 
   ClipApplier() = default;
   explicit ClipApplier(const ClipApplierSetup& setup)

@@ -17,7 +17,7 @@ class GoneTools {
   void add(Kind tool) {
     std::get<SharedChain<Kind>>(chains_).push_back(std::move(tool));
   }
-  ToolLists lists() const;  // each in ascending order of ids
+  ToolLists lists() const;  // tools in ascending order of ids
   // Calls visit(tool) for the tool of this id; O(size). False if there is none.
   template <class Visit>
   bool visit(ToolId id, Visit&& visit) const {

@@ -24,13 +24,13 @@ struct Grasp {
   ToolId id = 0;
   std::string name;
   std::vector<Index> vertices;
-  std::vector<double> shares;  // as in GraspSetup
-  GrowingPath path;            // of its centre: offsets from where it took hold, and turns since
-  bool release = false;        // after the last row
-  bool is_live = false;        // its path grows
+  std::vector<double> shares;  // held share of each vertex, as in GraspSetup
+  GrowingPath path;            // path of its centre: offsets from where it took hold, and turns since
+  bool release = false;        // whether it lets go after the last row
+  bool is_live = false;        // whether its path grows
   Phase phase = Phase::waiting;
   Vec3d centre = Vec3d::Zero();         // mean of its vertices where it took hold [m]
-  std::optional<ToolPose> target = {};  // at the end of the next frame
+  std::optional<ToolPose> target = {};  // pose at the end of the next frame
   // Means over the last frame: force on the body [N], and torque about its present centre [N m].
   Vec3d force = Vec3d::Zero(), torque = Vec3d::Zero();
 
@@ -58,7 +58,7 @@ struct Grasp {
 
   double share_of(std::size_t place) const { return shares.empty() ? 1 : shares[place]; }
 
-  // When it takes hold and lets go by its present path; infinite if the path does not say.
+  // The times when it takes hold and lets go by its present path; infinite if the path does not say.
   double takes_hold_at() const;
   double lets_go_at() const;
 

@@ -18,7 +18,7 @@ class GrowingPath {
   static constexpr std::size_t few = 64, most = 256;  // rows at hand
 
   GrowingPath() = default;
-  GrowingPath(Rows rows);  // of a scene: copies share them all
+  GrowingPath(Rows rows);  // takes the path of a scene: copies share all rows
 
   bool empty() const { return recent().empty(); }
   std::size_t size() const;
@@ -35,13 +35,13 @@ class GrowingPath {
   // Call it when the path will hardly grow any more. Copies then share all of it.
   void settle();
 
-  // In files and digests it is the list of its rows.
+  // Saved in files and digests as the list of its rows.
   Rows as_saved() const { return all(); }
   static GrowingPath from_saved(Rows rows) { return GrowingPath(std::move(rows)); }
   std::size_t unshared_bytes() const { return recent_.size() * sizeof(PathPoint); }
 
  private:
-  struct Part {                              // packed rows, after those of the part before
+  struct Part {                              // part of the path: packed rows, after those of the part before
     std::shared_ptr<const PathPoint> first;  // row of the path
     std::size_t end = 0;                     // rows of the path up to its last one
     std::size_t count = 0;
@@ -53,7 +53,7 @@ class GrowingPath {
   void pack(std::size_t count);
   std::size_t past_rows() const { return past_.empty() ? 0 : past_.back().end; }
 
-  SharedChain<Part> past_;               // what comes before the rows at hand
+  SharedChain<Part> past_;               // parts before the rows at hand
   std::shared_ptr<const Rows> settled_;  // the rows at hand, or else:
   Rows recent_;
 };

@@ -21,8 +21,8 @@ struct BringProbe {
       std::tuple(&BringProbe::name, &BringProbe::shape, &BringProbe::pose, &BringProbe::friction);
 };
 
-inline constexpr double jaw_speed = 0.02;  // at which hands close and open jaws [m/s]
-inline constexpr double most_grip = 6;     // at which hands stop to close them [N]
+inline constexpr double jaw_speed = 0.02;  // speed at which hands close and open jaws [m/s]
+inline constexpr double most_grip = 6;     // force at which hands stop closing them [N]
 
 struct Probe {
   using Path = ProbeSetup;
@@ -32,14 +32,14 @@ struct Probe {
   RigidShape shape_of_tip;
   double friction = default_friction;
   GrowingPath path;                     // positions and orientations
-  bool release = false;                 // it is taken away after the last row
-  bool is_live = false;                 // its path grows
-  bool is_away = false;                 // of live ones: it was taken away
-  bool closes = false;                  // of live jaws
-  ToolPose pose;                        // of a live one: where it was brought
-  std::optional<ToolPose> target = {};  // at the end of the next frame
-  double grip = 0;  // by which jaws press on what is between them, mean over the last frame [N]
-  // Means over the last frame of what it does to the body [N], and about where it is [N m].
+  bool release = false;                 // whether it is taken away after the last row
+  bool is_live = false;                 // whether its path grows
+  bool is_away = false;                 // whether a live one was taken away
+  bool closes = false;                  // whether live jaws close
+  ToolPose pose;                        // pose where a live one was brought
+  std::optional<ToolPose> target = {};  // pose at the end of the next frame
+  double grip = 0;                      // force of jaws on what is between them, mean over the last frame [N]
+  // Means over the last frame of its force on the body [N], and of the torque about its position [N m].
   Vec3d force = Vec3d::Zero(), torque = Vec3d::Zero();
 
   Probe() = default;
@@ -63,7 +63,7 @@ struct Probe {
   bool has_ended(double time) const { return is_away && (path.empty() || path.back().time < time); }
   void turn_on(bool on) { closes = on; }
   bool is_on() const { return closes; }
-  ToolShape shape() const;  // as it is now
+  ToolShape shape() const;  // present shape
   void begin_frame(double time, double end);
   std::vector<ProbeSetup> paths() const;
   void add_work(double, double, ToolWork&) const {}

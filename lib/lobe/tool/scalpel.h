@@ -8,11 +8,11 @@ namespace lobe {
 
 // Adds a scalpel at a pose, switched off. Its id is what tools().next_id() says before.
 struct BringScalpel {
-  static constexpr bool needs_grains = true;  // of the body, before it cuts (scalpel/grains.h)
+  static constexpr bool needs_grains = true;  // grains of the body, before it cuts (scalpel/grains.h)
   std::string name;
   BladePose pose;
-  double snap = 0.1;         // setup/tool_setups.h
-  bool along_faces = false;  // the same
+  double snap = 0.1;         // share, as in setup/tool_setups.h
+  bool along_faces = false;  // as in setup/tool_setups.h
   void check(Index vertex_count, const Options& used) const;
   bool operator==(const BringScalpel&) const = default;
   static constexpr auto fields =
@@ -22,11 +22,11 @@ struct BringScalpel {
 struct Scalpel {
   using Path = ScalpelSetup;
   using Bring = BringScalpel;
-  // From when it begins to cut to when it stops: positions of the tip and of the heel, at the same times [m].
+  // The way from where it begins to cut to where it stops: tip and heel at the same times [m].
   struct Stroke {
     GrowingPath tips, heels;
     void push_back(double time, const BladePose& at);
-    BladePose at(double time) const;  // in the rows at hand
+    BladePose at(double time) const;  // takes the rows at hand
     static constexpr auto fields = std::tuple(&Stroke::tips, &Stroke::heels);
   };
   ToolId id = 0;
@@ -35,11 +35,11 @@ struct Scalpel {
   bool along_faces = false;
   std::vector<Stroke> strokes;  // the last is the present one
   bool is_live = false;
-  bool cuts = false;                    // only of live ones
-  bool is_away = false;                 // of live ones: it was taken away
-  BladePose pose;                       // of a live one
-  Vec3d blade = Vec3d::Zero();          // of a live one: from tip to heel when it was brought [m]
-  std::optional<ToolPose> target = {};  // at the end of the next frame, turned since it was brought
+  bool cuts = false;                    // whether a live one cuts
+  bool is_away = false;                 // whether a live one was taken away
+  BladePose pose;                       // pose of a live one
+  Vec3d blade = Vec3d::Zero();          // vector from tip to heel when a live one was brought [m]
+  std::optional<ToolPose> target = {};  // pose at the end of the next frame, turned since it was brought
   // Force of the blade on the body, and its torque about the tip: means over the last frame [N], [N m]. The
   // force is the energy that the opened area takes (Elastic::fracture_energy), divided by the way of the
   // blade through the tissue.
@@ -71,9 +71,9 @@ struct Scalpel {
   std::optional<PlacedTool> placed(double time, const HeldPoints& held) const;  // none: it is nowhere
   bool fits(Index vertex_count) const;
 
-  // Of the present frame.
+  // Sums over the present frame.
   CutWork work = {};
-  double length = 0;          // of the way [m]
+  double length = 0;          // length of the way [m]
   Vec3d way = Vec3d::Zero();  // [m]
 
   static constexpr auto fields =

@@ -41,7 +41,7 @@ struct ToolLists {
 // Moves a tool at constant speed, so that it is at the target at the end of the next frame.
 struct Lead {
   ToolId tool = 0;
-  ToolPose target;  // of its centre, of a scalpel and a cautery of its tip
+  ToolPose target;  // pose of its centre; for a scalpel and a cautery of its tip
   bool operator==(const Lead&) const = default;
   static constexpr auto fields = std::tuple(&Lead::tool, &Lead::target);
 };

@@ -24,12 +24,12 @@ class Tools {
   // Other tools are off at first.
   template <class Bring>
   void bring(const Bring& command);
-  void lead(ToolId id, const ToolPose& target);  // to be there at the end of the next frame
+  void lead(ToolId id, const ToolPose& target);  // moves it there by the end of the next frame
   // Takes a cautery or scalpel away now. At the start of the next frame a grasp lets go, or a probe vanishes.
   void let_go(ToolId id);
   void turn_on(ToolId id, bool on);  // a cautery burns, a scalpel cuts, jaws close; throws for a grasp
 
-  // Those that do something, or did in the last frame.
+  // The tools that do something, or did in the last frame.
   const ToolLists& lists() const { return lists_; }
   const Grasp* grasp(ToolId id) const;  // null if there is none
   // Calls visit(tool) for the tool of this id. False if there is none.
@@ -37,10 +37,10 @@ class Tools {
   bool visit(ToolId id, Visit&& visit) const {
     return visit_in(lists_, id, visit) || (id > 0 && !is_present(id) && gone_.visit(id, visit));
   }
-  std::vector<ToolId> held_by_hands() const;  // live ones that have not been let go
+  std::vector<ToolId> held_by_hands() const;  // live tools that have not been let go
   // What the tools have done so far, as the tools of a setup.
   ToolSetups paths() const;
-  ToolSetups live_paths() const;  // by live ones alone
+  ToolSetups live_paths() const;  // the paths of live tools alone
 
   // ---- A frame
 
@@ -71,7 +71,7 @@ class Tools {
   void begin_forces();
   void add_force(ToolId holder, const Vec3d& force, const Vec3d& x, double dt);
   void add_force(const OnTool& on_tool, double dt);
-  void end_forces(double duration);  // of the part [s]; the means are then those from the frame's start
+  void end_forces(double duration);  // duration of the part [s]; means are then those from the frame's start
 
   // ---- For checkpoints
 
@@ -127,9 +127,9 @@ class Tools {
   std::vector<ToolId> present_;  // ids of lists_, in ascending order
   ToolId next_ = 1;
   double frame_end_ = 0;                              // [s]
-  std::vector<Placed> placed_;                        // in the order of present_, as what follows
-  std::vector<Impulse> impulses_, impulses_of_part_;  // since the start of the frame, and of the present part
-  double time_felt_ = 0;                              // in which impulses_ were found [s]
+  std::vector<Placed> placed_;                        // places in the order of present_, as the impulses
+  std::vector<Impulse> impulses_, impulses_of_part_;  // sums over the frame, and over the present part
+  double time_felt_ = 0;                              // time in which impulses_ were found [s]
   std::vector<ToolBody> bodies_;
 };
 

@@ -52,8 +52,8 @@ def named_kinds(library):
     return found
 
 
-# Who writes revision numbers: what follows edits, and, of steps and of states that are given, the motion and the
-# masses of vertices.
+# Who writes revision numbers: what follows edits; and motion and masses of vertices, for steps and for states
+# that are given.
 WRITERS = ("organ/follow.cpp", "time/dynamics.cpp", "time/inertia.cpp")
 WRITES = re.compile(r"(?:\+\+|--)\s*[\w.>()-]*\brevisions\.\w+|"
                     r"(?:\.revisions|\brevisions\.\w+)\s*(?:[+-]?=(?!=)|\+\+|--)")

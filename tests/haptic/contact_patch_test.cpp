@@ -67,15 +67,55 @@ const auto far_off = [](const Vec3d& at) { return at.norm() < 0.012; };
 
 }  // namespace
 
-TEST_CASE("a patch of everything has the stiffness of the body in balance") {
-  const Setup setup = held_block(5);
-  World<double> world(setup);
-  const std::vector<Index> contact = top_of(setup, 0.012);
-  REQUIRE(contact.size() >= 4);
-  ContactPatch patch;
-  patch.gather(world.body().model, contact, displacement_of(world), {.reach = 1, .most_free = 100000});
-  const Mat3<double> exact = bench::static_stiffness(world, contact);
-  CHECK((patch.condense() - exact).norm() < 1e-6 * exact.norm());
+TEST_CASE("a patch of everything has the stiffness of the body in balance, plain or smoothed") {
+  for (const ElementType element : {ElementType::tetrahedron, ElementType::edge_smoothed}) {
+    CAPTURE(int(element));
+    Setup setup = held_block(5);
+    setup.materials[0].element = element;
+    setup.volume_penalty = 1e5;
+    setup.gravity = {0, 0, -9.81};
+    World<double> world(setup);
+    world.advance(0.02);
+    REQUIRE(Mat3X<double>(world.displacements()).norm() > 1e-4);
+    const std::vector<Index> contact = top_of(setup, 0.012);
+    REQUIRE(contact.size() >= 4);
+    ContactPatch patch;
+    patch.gather(world.body().model, contact, displacement_of(world), {.reach = 1, .most_free = 100000});
+    const Mat3<double> exact = bench::static_stiffness(world, contact);
+    CHECK((patch.condense() - exact).norm() < 1e-6 * exact.norm());
+  }
+}
+
+TEST_CASE("a cut of what only a domain of a patch reaches is a cut of the patch") {
+  Setup setup = held_block(5);
+  const std::vector<Index> contact = top_of(setup, 0.004);
+  REQUIRE(contact.size() == 1);
+  // At the tetrahedra of the contact, not at the contact.
+  const auto is_next = [&](const World<double>& world, Index t) {
+    const Topology& topology = world.elements().topology;
+    int shared = 0;
+    for (Index other : topology.around(contact[0])) {
+      if (other == t) return false;
+      int corners = 0;
+      for (Index v : topology.corners(other)) corners += (topology.corners(t).array() == v).any();
+      shared = std::max(shared, corners);
+    }
+    return shared == 3;
+  };
+  for (const ElementType element : {ElementType::tetrahedron, ElementType::edge_smoothed}) {
+    setup.materials[0].element = element;
+    World<double> world(setup);
+    ContactPatch patch;
+    patch.gather(world.body().model, contact, displacement_of(world), {.reach = 0});
+    REQUIRE(patch.free_count() == 0);
+    CHECK_FALSE(patch.is_cut(world.elements().topology));
+    RemoveTets cut;
+    for (Index t = 0; t < setup.mesh.tet_count() && cut.tets.empty(); ++t)
+      if (is_next(world, t)) cut.tets = {t};
+    REQUIRE(cut.tets.size() == 1);
+    world.apply(cut);
+    CHECK(patch.is_cut(world.elements().topology) == (element == ElementType::edge_smoothed));
+  }
 }
 
 TEST_CASE("the smaller the patch, the stiffer; nothing is stiffer than the contact alone") {

@@ -6,6 +6,7 @@
 
 #include "lobe/numerics/symmetric_eigen.h"
 #include "lobe/solve/tangent.h"
+#include "lobe/sort_unique.h"
 
 namespace lobe {
 namespace {
@@ -59,13 +60,11 @@ void ContactPatch::gather(const Model& model, std::span<const Index> contact,
     const auto around = model.elements.topology.around(v);
     tets_.insert(tets_.end(), around.begin(), around.end());
   }
-  std::sort(tets_.begin(), tets_.end());
-  tets_.erase(std::unique(tets_.begin(), tets_.end()), tets_.end());
+  sort_unique(tets_);
+  for (Index t : tets_) add_tet(model, t, displacement);
+  if (any_smoothed(model.elements.materials)) add_domains(model, displacement);
   corners_.clear();
-  for (Index t : tets_) {
-    corners_.push_back(model.elements.topology.corners(t));
-    add_tet(model, t, displacement);
-  }
+  for (Index t : tets_) corners_.push_back(model.elements.topology.corners(t));
 }
 
 bool ContactPatch::is_cut(const Topology& topology) const {
@@ -74,20 +73,81 @@ bool ContactPatch::is_cut(const Topology& topology) const {
   return false;
 }
 
+Index ContactPatch::row_of(Index vertex) const {
+  const Index place = place_[std::size_t(vertex)];
+  return place == none ? none : 3 * (place == in_contact ? free_ : place);
+}
+
+// All that a plain tetrahedron has; of a smoothed one what its domains leave: volume term and guard.
 void ContactPatch::add_tet(const Model& model, Index tet, const std::function<Vec3d(Index)>& displacement) {
   const Eigen::Vector4i corners = model.elements.topology.corners(tet);
   Mat34<double> u;
   Index at[4];
   for (int c = 0; c < 4; ++c) {
     u.col(c) = displacement(corners[c]);
-    const Index place = place_[std::size_t(corners[c])];
-    at[c] = place == none ? none : 3 * (place == in_contact ? free_ : place);
+    at[c] = row_of(corners[c]);
   }
-  const TetStiffness K = tet_stiffness(model.elements, tet, u);
+  const TetStiffness K = unsmoothed_stiffness(model.elements, tet, u, model.elements.region_of[tet]);
   for (int a = 0; a < 4; ++a)
     for (int b = 0; b < 4; ++b)
       if (at[a] != none && at[b] != none && at[a] >= at[b])
         K_.block<3, 3>(at[a], at[b]) += K.block<3, 3>(3 * a, 3 * b);
+}
+
+void ContactPatch::find_domains(const Elements& elements) {
+  domains_.clear();
+  for (Index t : tets_) {
+    if (!elements.elastic_of(t).is_smoothed()) continue;
+    const Eigen::Vector4i corners = elements.topology.corners(t);
+    for (const auto& ends : edge_corners) {
+      const auto [a, b] = std::minmax(corners[ends[0]], corners[ends[1]]);
+      domains_.push_back({a, b, elements.material_of[std::size_t(t)], elements.region_of[std::size_t(t)]});
+    }
+  }
+  sort_unique(domains_);
+}
+
+// The domains of all edges of the tetrahedra that were gathered. Some reach a tetrahedron further: a cut there
+// changes them, too.
+void ContactPatch::add_domains(const Model& model, const std::function<Vec3d(Index)>& displacement) {
+  const Elements& elements = model.elements;
+  find_domains(elements);
+  for (const Domain& domain : domains_) {
+    around_.clear();
+    for (Index t : elements.topology.around(domain.a))
+      if (elements.material_of[std::size_t(t)] == domain.material &&
+          elements.region_of[std::size_t(t)] == domain.model &&
+          (elements.topology.corners(t).array() == domain.b).any())
+        around_.push_back(t);
+    find_smoothed_edge(elements, domain.a, domain.b, around_, edge_);
+    add_domain(elements, displacement);
+    tets_.insert(tets_.end(), around_.begin(), around_.end());
+  }
+  sort_unique(tets_);
+}
+
+// V_e b_j·C b_k of the vertices of edge_, as domain_stiffness() has them, without allocating.
+void ContactPatch::add_domain(const Elements& elements, const std::function<Vec3d(Index)>& displacement) {
+  const auto count = edge_.vertices.size();
+  Mat3<double> H = Mat3<double>::Zero();
+  const Vec3d first = displacement(edge_.vertices[0]);
+  for (std::size_t j = 1; j < count; ++j)
+    H += (displacement(edge_.vertices[j]) - first) * edge_.gradients[j].transpose();
+  const Moduli C = edge_.volume * domain_moduli(elements, edge_, H, edge_.model);
+  for (std::size_t k = 0; k < count; ++k) {
+    const Index column = row_of(edge_.vertices[k]);
+    if (column == none) continue;
+    const Vec3d& b = edge_.gradients[k];
+    const Eigen::Matrix<double, 9, 3> Cb =
+        b[0] * C.leftCols<3>() + b[1] * C.middleCols<3>(3) + b[2] * C.rightCols<3>();
+    for (std::size_t j = 0; j < count; ++j) {
+      const Index row = row_of(edge_.vertices[j]);
+      if (row < column) continue;
+      const Vec3d& a = edge_.gradients[j];
+      K_.block<3, 3>(row, column) +=
+          a[0] * Cb.topRows<3>() + a[1] * Cb.middleRows<3>(3) + a[2] * Cb.bottomRows<3>();
+    }
+  }
 }
 
 Mat3<double> ContactPatch::blocked() const {

@@ -79,14 +79,18 @@ TetStiffness linear_stiffness(const Law<double>& law, const Mat34<double>& gradi
 
 }  // namespace
 
-Eigen::MatrixXd domain_stiffness(const Elements& elements, const SmoothedEdge& edge, const Mat3<double>& H,
-                                 RegionModel model, double pressure) {
+Moduli domain_moduli(const Elements& elements, const SmoothedEdge& edge, const Mat3<double>& H,
+                     RegionModel model, double pressure) {
   Mat34<double> units = Mat34<double>::Zero();
   units.leftCols<3>().setIdentity();
-  const Eigen::Matrix<double, 9, 9> C =
-      (is_linear(model) ? linear_stiffness(smoothed_linear_law(elements, edge), units, 1)
-                        : law_stiffness(smoothed_law(elements, edge, pressure), H, units))
-          .topLeftCorner<9, 9>();
+  return (is_linear(model) ? linear_stiffness(smoothed_linear_law(elements, edge), units, 1)
+                           : law_stiffness(smoothed_law(elements, edge, pressure), H, units))
+      .topLeftCorner<9, 9>();
+}
+
+Eigen::MatrixXd domain_stiffness(const Elements& elements, const SmoothedEdge& edge, const Mat3<double>& H,
+                                 RegionModel model, double pressure) {
+  const Moduli C = domain_moduli(elements, edge, H, model, pressure);
   Eigen::MatrixXd G = Eigen::MatrixXd::Zero(9, 3 * Eigen::Index(edge.vertices.size()));  // ∂F/∂u
   for (std::size_t j = 0; j < edge.vertices.size(); ++j)
     for (int d = 0; d < 3; ++d)

@@ -36,6 +36,11 @@ inline TetStiffness tet_stiffness(const Elements& elements, Index tet, const Mat
 // The stiffness of what a tetrahedron has by itself: all, or, if it is smoothed, volume term and guard.
 TetStiffness unsmoothed_stiffness(const Elements& elements, Index tet, const Mat34<double>& u,
                                   RegionModel model, double pressure = 0);
+// ∂P/∂F of a smoothing domain [Pa]: component i of column d of either is number 3d + i.
+using Moduli = Eigen::Matrix<double, 9, 9>;
+Moduli domain_moduli(const Elements& elements, const SmoothedEdge& edge,
+                     const Mat3<double>& H,                    // its ∇u
+                     RegionModel model, double pressure = 0);  // mean pressure of both ends [Pa]
 // The stiffness of the vertices of a smoothing domain: V_e b_j·C b_k with C = ∂P/∂F.
 Eigen::MatrixXd domain_stiffness(const Elements& elements, const SmoothedEdge& edge,
                                  const Mat3<double>& H,                    // ∇u of the domain

@@ -107,8 +107,8 @@ void ContactPatch::find_domains(const Elements& elements) {
   sort_unique(domains_);
 }
 
-// The domains of all edges of the tetrahedra that were gathered. Some reach a tetrahedron further: a cut there
-// changes them, too.
+// The domains of all edges of the tetrahedra that were gathered. Some reach a tetrahedron further: a cut of
+// that changes them, too.
 void ContactPatch::add_domains(const Model& model, const std::function<Vec3d(Index)>& displacement) {
   const Elements& elements = model.elements;
   find_domains(elements);

@@ -56,10 +56,7 @@ std::string write_shares(const std::filesystem::path& file, const TetMesh& mesh,
 void write_output(const SensitivityCommand& command, const TetMesh& mesh,
                   const std::vector<Sensitivity>& found) {
   const std::string last = write_shares(command.output, mesh, found);
-  if (last.empty())
-    print_warnings(
-        {"there is no share of each tetrahedron where energies have averages of several (edge-smoothed "
-         "tetrahedra, nodal pressure), or where there is no equilibrium"});
+  if (last.empty()) print_warnings({"there is no share of each tetrahedron where there is no equilibrium"});
   if (command.picture.empty() || last.empty()) return;
   const std::string trouble = draw_cells(command.output, last, command.picture);
   if (!trouble.empty()) print_warnings({trouble});

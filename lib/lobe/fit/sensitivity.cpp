@@ -8,6 +8,7 @@
 #include "lobe/error.h"
 #include "lobe/fit/parameters.h"
 #include "lobe/linearity/gestures.h"
+#include "lobe/region/averages.h"
 #include "lobe/region/energy_density.h"
 #include "lobe/solve/static_sensitivity.h"
 
@@ -147,11 +148,34 @@ void Question::add_models(std::vector<Effect>& effects) const {
   as(RegionModel::nonlinear, RegionModel::tensor_mass, "non-linear regions as linear");
 }
 
+// The energy of each tetrahedron [J]: its own, and its share of its smoothing domains' by volume.
+std::vector<double> tet_energies(const Elements& elements, const Averages& averages, const Mat3X<double>& u) {
+  const std::vector<double> pressures = tet_pressures(elements, averages.nodes, u);
+  const std::vector<Mat3<double>> gradients = domain_gradients(averages.edges, u);
+  const std::vector<double> of_ends = domain_pressures(averages.edges, averages.edge_pressures, gradients);
+  std::vector<double> energies(std::size_t(elements.topology.tet_count()));
+  for (Index t = 0; t < elements.topology.tet_count(); ++t) {
+    const Mat34<double> corners = u(Eigen::all, elements.topology.corners(t));
+    const Shape shape = elements.shape_of(t);
+    const Mat3<double> H = displacement_gradient<double>(corners, shape.gradients.rightCols<3>());
+    double density = unsmoothed_energy_density(elements, t, H, elements.region_of[std::size_t(t)],
+                                               pressures[std::size_t(t)]);
+    for (const Index e : averages.edges.of(t))
+      if (e >= 0) {
+        const SmoothedEdge& edge = averages.edges[e];
+        density +=
+            energy_density(elements, edge, gradients[std::size_t(e)], edge.model, of_ends[std::size_t(e)]) /
+            6;
+      }
+    energies[std::size_t(t)] = shape.volume * density;
+  }
+  return energies;
+}
+
 // The answer's derivative by the moduli of one tetrahedron is that of its energy along one field: the
 // response of the body to the answer's own gradient.
 std::vector<double> Question::of_tets(const StaticSensitivity& sensitivity) const {
   const Setup& setup = load_.setup;
-  if (any_averages(setup.materials)) return {};
   Mat3X<double> field = Mat3X<double>::Zero(3, here_.u.cols());
   double scale = 1;
   if (const double force = here_.force.norm(); force > 0) {
@@ -164,20 +188,15 @@ std::vector<double> Question::of_tets(const StaticSensitivity& sensitivity) cons
     scale = -1;
   }
   const Elements elements(setup);
+  const Averages averages(elements);
   const double step = 1e-4 * here_.u.colwise().norm().maxCoeff() / field.colwise().norm().maxCoeff();
+  const std::vector<double> more = tet_energies(elements, averages, here_.u + step * field),
+                            less = tet_energies(elements, averages, here_.u - step * field);
   double volume = 0;
   for (Index t = 0; t < elements.topology.tet_count(); ++t) volume += elements.volume(t);
-  std::vector<double> found(std::size_t(elements.topology.tet_count()));
-  for (Index t = 0; t < elements.topology.tet_count(); ++t) {
-    const Eigen::Vector4i corners = elements.topology.corners(t);
-    const Mat34<double> u = here_.u(Eigen::all, corners), way = step * field(Eigen::all, corners);
-    const Shape shape = elements.shape_of(t);
-    const Mat3<double> alpha = shape.gradients.rightCols<3>();
-    const double more = energy_density(elements, t, displacement_gradient<double>(u + way, alpha)),
-                 less = energy_density(elements, t, displacement_gradient<double>(u - way, alpha));
-    const double slope = shape.volume * (more - less) / (2 * step);
-    found[std::size_t(t)] = scale * slope * volume / shape.volume;
-  }
+  std::vector<double> found(more.size());
+  for (std::size_t t = 0; t < found.size(); ++t)
+    found[t] = scale * (more[t] - less[t]) / (2 * step) * volume / elements.volume(Index(t));
   return found;
 }
 

@@ -27,8 +27,8 @@ struct Sensitivity {
   std::vector<Effect> effects;  // the largest first: by force if there is one, else by displacement
   // Per tetrahedron: by how much the answer (the force; of the weight, the L2 norm of the displacement)
   // changes, relative, if the energy of that tetrahedron grows by a relative amount, per share of the body's
-  // volume. 1 everywhere: all of the body counts alike. Empty where energies have averages of several
-  // tetrahedra.
+  // volume. 1 everywhere: all of the body counts alike. The energy of a smoothing domain or of a nodal
+  // pressure is that of its tetrahedra, by volume.
   std::vector<double> of_tets;
 };
 

@@ -51,7 +51,7 @@ class HapticTools {
   // The number is 0 from before remove() looks for users. Whoever is counted before that look is waited for.
   // Whoever is counted after it sees the 0, and leaves the tool alone.
   struct Place {
-    std::atomic<std::uint64_t> number = 0;  // of the tool, from 1; 0: the place is free
+    std::atomic<std::uint64_t> number = 0;  // number of the tool, from 1; 0: the place is free
     std::atomic<int> users = 0;
     std::unique_ptr<HapticTool> tool;
   };

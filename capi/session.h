@@ -22,8 +22,8 @@ struct lobe_session {
   virtual lobe::TripleBuffer<lobe::SessionStatus>::View status() const = 0;
   virtual int controller() const = 0;
   virtual bool fill(lobe_surface& surface) = 0;                          // false: there is no picture yet
-  virtual lobe::Index tet_count() const = 0;                             // of the latest picture
-  virtual std::shared_ptr<void> lead_by(lobe::c::HapticTool& tool) = 0;  // until it is destroyed
+  virtual lobe::Index tet_count() const = 0;                             // tetrahedra of the latest picture
+  virtual std::shared_ptr<void> lead_by(lobe::c::HapticTool& tool) = 0;  // leads it until the result goes
   virtual void save_scene(const std::string& file) = 0;
   virtual void save_recording(const std::string& file) = 0;
   virtual void save(const std::string& file) = 0;

@@ -30,7 +30,7 @@ class Child {
   void listen(int output);
 
   mutable std::mutex mutex_;
-  int process_ = 0;  // also the number of its group; 0: it does not run
+  int process_ = 0;  // its number, which is also that of its group; 0: it does not run
   bool was_stopped_ = false;
   std::string said_;
 };

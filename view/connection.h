@@ -26,7 +26,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
   Connection(TcpSocket socket, ClientId id, Shared& shared);
 
   void start();
-  void close();  // at once, without a closing message
+  void close();  // ends it at once, without a closing message
 
   bool is_live() const { return live_ && is_open_; }
   // It has shown the token, in the address of the page or of the socket.
@@ -61,15 +61,15 @@ class Connection : public std::enable_shared_from_this<Connection> {
 
   Shared& shared_;
   const ClientId id_;
-  const std::string address_;  // of the other machine
+  const std::string address_;  // address of the other machine
   bool is_known_ = false, has_asked_ = false;
   boost::beast::flat_buffer buffer_;
   std::optional<boost::beast::http::request_parser<boost::beast::http::string_body>> parser_;
-  std::optional<TcpStream> http_;  // until it becomes live
+  std::optional<TcpStream> http_;  // stream until it becomes live
   std::optional<WebSocket> live_;
   bool is_open_ = false;  // the service knows of it
   std::deque<std::string> texts_;
-  std::string frame_;  // that waits to be written, or is being written
+  std::string frame_;  // text that waits to be written, or is being written
   bool is_writing_ = false, is_frame_seen_ = true;
   std::optional<boost::beast::websocket::close_reason> closing_;
 };

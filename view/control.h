@@ -28,7 +28,7 @@ class Control {
   // Throws InputError if the holder has just refused this page.
   void ask(ClientId page, Time now);
   void acted(Time now) { last_act_ = now; }  // the holder
-  void grant();                              // to the page that asked first; nothing if none has
+  void grant();                              // gives them to the page that asked first; nothing if none has
   std::vector<ClientId> refuse(Time now);    // returns those who had asked
   // Takes the instruments from a holder that neither holds a tool nor answers.
   void settle(bool holds_tool, Time now);
@@ -44,9 +44,9 @@ class Control {
 
   const Duration patience_;
   ClientId holder_ = 0;
-  std::vector<ClientId> pages_;    // that are open
-  std::vector<ClientId> holders_;  // of these, those that held them before, the latest at the end
-  std::vector<ClientId> askers_;   // the first one first
+  std::vector<ClientId> pages_;    // pages that are open
+  std::vector<ClientId> holders_;  // those of them that held the instruments before, the latest at the end
+  std::vector<ClientId> askers_;   // pages that have asked, the first one first
   Time asked_{}, last_act_{};
   std::map<ClientId, Time> refused_;
 };

@@ -18,11 +18,11 @@ struct Measured {
   std::uint64_t number = 0;         // counted from 1
   double time = 0;                  // [s]
   double elastic = 0, kinetic = 0;  // [J]
-  double linear_error = -1;         // of the displacement, estimated, of its largest norm since it was first
-                                    // asked for; below 0: not found, or nothing has moved since
+  double linear_error = -1;         // estimated error of the displacement, over its largest norm since it was
+                                    // first asked for; below 0: not found, or nothing has moved since
   std::string scalar = "none";
-  std::uint64_t revision = 0;  // of the surface
-  std::vector<float> values;   // per vertex of it, of `scalar`
+  std::uint64_t revision = 0;  // revision of the surface
+  std::vector<float> values;   // `scalar` at each of its vertices
 };
 
 template <class Real>
@@ -43,9 +43,9 @@ class Gauge {
   void find_error(World<Real>& world, Measured& measured);
 
   std::unique_ptr<LinearityWatch<Real>> watch_;
-  std::unique_ptr<ReducedWatch<Real>> reduced_;  // from when it is asked for, while it is measured
-  double reduced_error_ = 0, followed_ = -1;     // the latter: the time of the last frame [s]
-  double most_moved_ = 0;                        // since there is a watch: the largest displacement [m]
+  std::unique_ptr<ReducedWatch<Real>> reduced_;  // watch, from when it is asked for, while it is measured
+  double reduced_error_ = 0, followed_ = -1;     // `followed_`: time of the last frame [s]
+  double most_moved_ = 0;                        // largest displacement since there is a watch [m]
   std::optional<Averages> averages_;
   EditReader averages_edits_;
 };

@@ -41,14 +41,14 @@ class HaplyDevice final : public HapticDevice {
  private:
   struct Client;
   struct Stamped {
-    std::uint64_t number = 0;  // of the message
+    std::uint64_t number = 0;  // number of the message
     DeviceState state;
   };
 
   TripleBuffer<Stamped> states_;
   TripleBuffer<Vec3d> forces_;
   Stamped last_;
-  int ticks_without_ = 1 << 20;  // since a message came
+  int ticks_without_ = 1 << 20;  // ticks since a message came
   std::unique_ptr<Client> client_;
   std::thread thread_;
 };

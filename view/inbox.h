@@ -13,7 +13,7 @@ namespace lobe::view {
 class Inbox {
  public:
   static constexpr std::size_t largest_file = std::size_t(128) << 20;  // [bytes]
-  static constexpr std::size_t most = std::size_t(1) << 30;            // of all files [bytes]
+  static constexpr std::size_t most = std::size_t(1) << 30;            // size of all files [bytes]
 
   Inbox() = default;
   ~Inbox() { clear(); }

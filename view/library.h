@@ -9,7 +9,7 @@ namespace lobe::view {
 
 struct Shipped {
   std::string name;   // "scenes/two_organs.json", in the folder of the library
-  std::string title;  // of a scene its name; of a mesh that of its file
+  std::string title;  // name of a scene, or of a mesh's file
 };
 
 // The folder of the installed data, or of the tree in which the program was built; empty if there is none.

@@ -62,7 +62,7 @@ class Live {
   // What the hands did, as a scene that `lobe run` plays. Throws InputError if no scene can describe it
   // (live/session_scene.h).
   virtual Scene hands_scene() = 0;
-  // The same for `lobe replay`.
+  // Writes what the hands did as a recording for `lobe replay`.
   virtual void write_recording(const std::filesystem::path& file) = 0;
 };
 

@@ -15,19 +15,19 @@ namespace lobe::view {
 
 // What is chosen where a scene is made. What is empty or 0 is chosen by `lobe`.
 struct Choices {
-  std::string tissue, hold;      // as the options --tissue and --hold of `lobe scene` have them
-  double edge = 0;               // of tetrahedra that a surface is filled with [m]
-  double scale = 0;              // from the files' coordinates to metres
-  double springs = 0;            // of a bed under the side that is held [Pa/m]; 0: it is fixed
+  std::string tissue, hold;      // options --tissue and --hold of `lobe scene`
+  double edge = 0;               // edge of tetrahedra that a surface is filled with [m]
+  double scale = 0;              // factor from the files' coordinates to metres
+  double springs = 0;            // stiffness of a bed under the side that is held [Pa/m]; 0: it is fixed
   std::vector<Vec3d> pins = {};  // places that are fixed, at rest [m]
 };
 
-// Of what a scene was made.
+// The origin of a scene that was made.
 struct Origin {
   std::vector<std::filesystem::path>
       files;                        // surfaces, a label image or a mesh; none: it was written by hand
-  double scale = 0, edge = 0;       // that were asked for, as in Choices
-  std::filesystem::path mesh = {};  // of the scene as it was made
+  double scale = 0, edge = 0;       // what was asked for, as in Choices
+  std::filesystem::path mesh = {};  // mesh of the scene as it was made
   double mesh_scale = 1;
 };
 

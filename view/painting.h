@@ -26,7 +26,7 @@ class Painting {
   int add_material(const std::string& name, double young /* [Pa] */);
   void hold(const Vec3d& at, double radius, bool held);  // vertices of the skin; free: all
   void paint_all(RegionModel model);
-  void use(const std::vector<RegionModel>& region_of);  // per tetrahedron
+  void use(const std::vector<RegionModel>& region_of);  // model of each tetrahedron
   // Whether precomputed parts follow a rigid motion of their own (condense/rigid_frame.h).
   void set_frame(RegionFrame frame);
   void end_stroke() { is_in_stroke_ = false; }
@@ -39,15 +39,15 @@ class Painting {
   const Mat3X<float>& rest() const { return rest_; }                   // 3 × #vertices of the surface [m]
   const std::vector<std::uint8_t>& held() const { return now_.held; }  // per vertex of the mesh
   const std::vector<RegionModel>& regions() const { return now_.region_of; }  // per tetrahedron
-  std::array<double, region_model_names.size()> shares() const;               // of the volume, by RegionModel
+  std::array<double, region_model_names.size()> shares() const;               // shares of the volume
   const std::vector<Material>& materials() const { return scene_.materials; }
   // Precomputed tetrahedra of parts (connected by faces) that nothing holds; with a corotated frame, of all
   // parts but the largest. No world can be built with these.
   std::vector<Index> unheld() const;
   bool can_turn()
       const;  // there is one precomputed part only, and other regions: it may have a corotated frame
-  double share_of(const std::vector<Index>& tets) const;                    // of the volume
-  std::vector<double> material_shares() const;                              // of the volume
+  double share_of(const std::vector<Index>& tets) const;                    // share of the volume
+  std::vector<double> material_shares() const;                              // shares of the volume
   const std::vector<int>& material_of() const { return now_.material_of; }  // per tetrahedron
 
   // The original scene with the painted regions, as labels of mesh(), and with painted materials and held
@@ -64,7 +64,7 @@ class Painting {
     std::vector<RegionModel> region_of;
     std::vector<int> material_of;
     std::vector<std::uint8_t> held;
-    RegionFrame frame = RegionFrame::fixed;  // of precomputed parts
+    RegionFrame frame = RegionFrame::fixed;  // frame of precomputed parts
   };
 
   void begin();
@@ -83,7 +83,7 @@ class Painting {
   void set_fixed(Scene& scene) const;
 
   Scene scene_;
-  double cell_;  // of reduced parts [m]; 0: chosen
+  double cell_;  // edge of the cells of reduced parts [m]; 0: chosen
   TetMesh mesh_;
   Topology topology_;
   State now_;
@@ -91,12 +91,12 @@ class Painting {
   std::vector<int> material_at_first_;
   std::vector<State> past_;
   bool is_in_stroke_ = false;
-  std::vector<int> labels_;  // of the mesh as it was, each once, ascending
+  std::vector<int> labels_;  // labels of the mesh as it was, each once, ascending
   Surface surface_;
   Mat3X<float> rest_;
   std::vector<Index> skin_;      // vertices of the mesh, each once
   Mat3X<double> barycentres_;    // 3 × #tetrahedra [m]
-  std::vector<double> volumes_;  // of tetrahedra [m³]
+  std::vector<double> volumes_;  // volume of each tetrahedron [m³]
 };
 
 // Young's modulus [Pa]; of a material with fibres, the one across them.

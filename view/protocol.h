@@ -116,7 +116,7 @@ struct Take {
 struct Burn {
   int hand = 0;
   Vec3d at = Vec3d::Zero();  // [m]
-  double radius = 0;         // of its tip [m]
+  double radius = 0;         // radius of its tip [m]
   static constexpr const char* name = "burn";
   static constexpr auto fields =
       std::tuple(Field{"hand", &Burn::hand}, Field{"at", &Burn::at}, Field{"radius", &Burn::radius});
@@ -132,8 +132,8 @@ struct Cut {
 // A hand brings a probe with a spherical tip, which presses on what it meets.
 struct Touch {
   int hand = 0;
-  Vec3d at = Vec3d::Zero();  // of the middle of its tip [m]
-  double radius = 0;         // of its tip [m]
+  Vec3d at = Vec3d::Zero();  // middle of its tip [m]
+  double radius = 0;         // radius of its tip [m]
   static constexpr const char* name = "touch";
   static constexpr auto fields =
       std::tuple(Field{"hand", &Touch::hand}, Field{"at", &Touch::at}, Field{"radius", &Touch::radius});
@@ -235,7 +235,7 @@ struct Edit {
 // All that lies within a sphere becomes a model of region_model_names (fem/body.h); or its skin "held",
 // "free".
 struct Paint {
-  Vec3d at = Vec3d::Zero();  // at rest [m]
+  Vec3d at = Vec3d::Zero();  // point at rest [m]
   double radius = 0;         // [m]
   std::string as;
   static constexpr const char* name = "paint";
@@ -243,9 +243,9 @@ struct Paint {
       std::tuple(Field{"at", &Paint::at}, Field{"radius", &Paint::radius}, Field{"as", &Paint::as});
 };
 struct PaintMaterial {
-  Vec3d at = Vec3d::Zero();  // at rest [m]
+  Vec3d at = Vec3d::Zero();  // point at rest [m]
   double radius = 0;         // [m]
-  int material = 0;          // by its number
+  int material = 0;          // number of the material
   static constexpr const char* name = "paint_material";
   static constexpr auto fields =
       std::tuple(Field{"at", &PaintMaterial::at}, Field{"radius", &PaintMaterial::radius},
@@ -303,7 +303,7 @@ struct Save {
 struct Open {
   std::vector<std::string> files;
   std::string tissue, hold;
-  double springs = 0;          // of a bed under the side that is held [Pa/m]
+  double springs = 0;          // stiffness of a bed under the side that is held [Pa/m]
   double edge = 0, scale = 0;  // [m]; to metres
   static constexpr const char* name = "open";
   static constexpr auto fields =
@@ -320,7 +320,7 @@ struct OpenShipped {
 struct Remake {
   std::string tissue, hold;
   double springs = 0;
-  std::vector<Vec3d> pins;  // at rest [m]
+  std::vector<Vec3d> pins;  // points at rest [m]
   double edge = 0, scale = 0;
   static constexpr const char* name = "remake";
   static constexpr auto fields = std::tuple(Field{"tissue", &Remake::tissue}, Field{"hold", &Remake::hold},
@@ -353,7 +353,7 @@ using Any = std::variant<Seen, Take, Burn, Cut, Touch, Jaws, Close, Lead, LetGo,
 inline constexpr int hand_count = 8;
 
 struct Request {
-  double number = 0;  // that the client gave it: frames tell the last one that they know of
+  double number = 0;  // number that the client gave it: frames tell the last one that they know of
   request::Any what;
 };
 

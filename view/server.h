@@ -16,19 +16,19 @@
 namespace lobe::view {
 
 struct ServerOptions {
-  std::string host = "127.0.0.1";                     // address to listen on; a name is looked up
-  int port = 8080;                                    // 0: a free one
-  std::string token;                                  // that a client must name: not empty
-  std::size_t largest_message = 65536;                // of a client [bytes]; a longer one ends its connection
-  std::size_t largest_file = std::size_t(128) << 20;  // that one who has the token sends [bytes]
-  std::size_t most_clients = 16;                      // at a time, pages that are only being loaded included
+  std::string host = "127.0.0.1";       // address to listen on; a name is looked up
+  int port = 8080;                      // 0: a free one
+  std::string token;                    // token that a client must name: not empty
+  std::size_t largest_message = 65536;  // size of a message [bytes]; a longer one ends its connection
+  std::size_t largest_file = std::size_t(128) << 20;  // size of a file from one who has the token [bytes]
+  std::size_t most_clients = 16;                      // clients at a time, also while a page is being loaded
   // Connections that have not shown the token yet: how many there may be, and how long one of them may take
   // to make its next request [s].
   std::size_t most_strangers = 64;
   double patience = 2;
   std::size_t most_waiting_texts =
-      100;              // for one client; if it is too slow for these, its connection is closed
-  double silence = 10;  // after which a client that does not answer a ping is disconnected [s]
+      100;              // texts for one client; if it is too slow for these, its connection is closed
+  double silence = 10;  // time after which a client that does not answer a ping is disconnected [s]
 };
 
 // A file of the page, compiled into the program.
@@ -44,7 +44,7 @@ class Service {
  public:
   virtual ~Service() = default;
   virtual void opened(ClientId client) = 0;
-  virtual void closed(ClientId client) = 0;  // also of one that died
+  virtual void closed(ClientId client) = 0;  // closed, or died
   virtual void received(ClientId client, std::string_view text) = 0;
   // A page has sent a file. Throws InputError for one that is not wanted.
   virtual void received_file(const std::string& name, std::string_view content) = 0;
@@ -61,7 +61,7 @@ class Server {
   Server& operator=(const Server&) = delete;
 
   int port() const;
-  void run();  // until stop()
+  void run();  // serves until stop()
 
   // ---- From any thread.
 
@@ -90,8 +90,8 @@ bool is_loopback(std::string_view host);
 // A connection that has not shown the token.
 struct Stranger {
   ClientId id = 0;         // grows with each connection
-  std::string address;     // of the other machine
-  bool has_asked = false;  // for a file of the page
+  std::string address;     // address of the other machine
+  bool has_asked = false;  // whether it asked for a file of the page
 };
 // Which of them makes room for another one: of the address that has most of them, the oldest one that has
 // asked for nothing, else the oldest. So who opens many connections loses his own. There must be one.

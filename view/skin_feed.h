@@ -46,8 +46,8 @@ class SkinFeed {
   void show();
 
   Skin skin_;
-  const Skin whole_;                 // as it was at the start: a world that is put back may have what was cut
-  std::uint64_t skin_revision_ = 0;  // that was shown last
+  const Skin whole_;                 // skin at the start: a world that is put back may have what was cut
+  std::uint64_t skin_revision_ = 0;  // revision that was shown last
   Mat3X<float> rest_, normals_;
   std::shared_ptr<const ShownSkin> shown_;
   std::uint64_t restored_;  // how often the world had been put back when the skin last followed it

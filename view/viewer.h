@@ -25,11 +25,11 @@ namespace lobe::view {
 struct ViewerOptions {
   LiveOptions live;
   HapticOptions haptic = {};
-  std::filesystem::path folder = ".";         // where scenes are saved
+  std::filesystem::path folder = ".";         // folder where scenes are saved
   std::filesystem::path record = {};          // a file for what is done (recordings.h); empty: none
-  std::chrono::milliseconds patience{10000};  // with a page that was asked for the instruments (control.h)
+  std::chrono::milliseconds patience{10000};  // time for a page to answer who asks for the instruments
   bool saves_mesh = false;                    // beside each scene, since the file of the mesh will be gone
-  Origin origin = {};                         // of the scene, if it was made
+  Origin origin = {};                         // origin of the scene, if it was made
   std::filesystem::path library = library_folder();
 };
 
@@ -71,23 +71,23 @@ class Viewer final : public Service {
     std::string scalar = "none";
     bool wants_skin = false;
     std::uint64_t painted = 0;
-    double number = 0;    // of its last request
-    std::string trouble;  // why it got no frame
-    int choices = -1;     // those that it knows
+    double number = 0;    // number of its last request
+    std::string trouble;  // reason why it got no frame
+    int choices = -1;     // number of the choices that it knows
   };
   // A thread that prepares something: a simulation of what was painted, a proposal of regions, or another
   // scene.
   struct Task {
     std::atomic<double> fraction{0};
     std::atomic<bool> is_done{false};
-    std::string trouble;  // empty: it has ended without an error
+    std::string trouble;  // fault; empty: it has ended without one
     std::shared_ptr<Live> live;
     Scene scene;
     Resolved resolved;
-    std::string title;             // of what is being opened or measured; empty: nothing is
-    std::optional<Origin> origin;  // of the scene that is opened
-    nlohmann::json errors;         // that were measured; null: none were
-    Child child;                   // that makes it
+    std::string title;             // what is being opened or measured; empty: nothing is
+    std::optional<Origin> origin;  // origin of the scene that is opened
+    nlohmann::json errors;         // errors that were measured; null: none were
+    Child child;                   // process that makes it
   };
 
   bool needs_control(const request::Any& what) const;
@@ -171,8 +171,8 @@ class Viewer final : public Service {
   Scene scene_;
   Resolved resolved_;
   Server* server_ = nullptr;
-  mutable std::mutex waking_;    // of server_, for wake()
-  mutable std::mutex changing_;  // of live_ and task_, for news()
+  mutable std::mutex waking_;    // lock of server_, for wake()
+  mutable std::mutex changing_;  // lock of live_ and task_, for news()
   std::shared_ptr<Live> live_;
   std::optional<Painting> painting_;
   bool paints_ = false;
@@ -182,22 +182,22 @@ class Viewer final : public Service {
   Origin origin_ = options_.origin;
   const std::vector<Shipped> library_ = library(options_.library);
   Inbox inbox_;
-  int sessions_ = 1;                              // as Recordings counts them
+  int sessions_ = 1;                              // number of sessions, as Recordings counts them
   int opened_ = 0;                                // scenes, since the first one
-  nlohmann::json chosen_;                         // for the scene that is open (opening.h)
-  nlohmann::json errors_;                         // of its mesh; null: not measured
-  bool is_painted_ = false;                       // what is simulated was painted since
+  nlohmann::json chosen_;                         // choices for the scene that is open (opening.h)
+  nlohmann::json errors_;                         // errors of its mesh; null: not measured
+  bool is_painted_ = false;                       // whether what is simulated was painted since
   int choices_ = 0;                               // grows when pages must hear of these
-  std::vector<std::shared_ptr<Task>> abandoned_;  // that were cancelled, and whose threads may go on
+  std::vector<std::shared_ptr<Task>> abandoned_;  // tasks that were cancelled, whose threads may go on
   std::set<std::string> saved_;                   // names of files that this program has made
-  double number_ = 0;                             // of the request that is carried out
+  double number_ = 0;                             // number of the request that is carried out
   std::uint64_t painted_ = 1;                     // grows with each change of the painting
   std::optional<Proposal> proposal_;
   std::shared_ptr<Task> task_;
   std::map<ClientId, Client> clients_;
   Control control_;
-  ClientId controlling_ = 0;                                            // whose hands the session has
-  std::atomic<Clock::time_point> deadline_ = Clock::time_point::max();  // of control_, for news()
+  ClientId controlling_ = 0;                                            // page whose hands the session has
+  std::atomic<Clock::time_point> deadline_ = Clock::time_point::max();  // deadline of control_, for news()
   Recordings recordings_;
   const std::uint32_t run_;  // a number of this run of the program, which pages compare
   std::atomic<std::uint64_t> version_ = 1;

@@ -17,8 +17,8 @@ struct ChildResult {
   enum class End { normal, timed_out, killed, not_started } end = End::normal;
   int status = 0;          // exit status, or the signal that killed it
   int process = 0;         // its number
-  double cpu_seconds = 0;  // of it and its children, user time
-  double peak_bytes = 0;   // of the largest of them
+  double cpu_seconds = 0;  // user time of it and its children
+  double peak_bytes = 0;   // memory of the largest of them
   std::string in_words() const;
 };
 

@@ -16,28 +16,27 @@ struct Finding {
   std::string name, single;  // "open edges", "open edge"
   Index count = 0;
   std::vector<std::string> places = {};  // the first few: "edge 3-17 near (0.1, 0, 0.02)"
-  std::vector<Index> triangles = {};     // concerned, all of them; one may occur several times
-  std::vector<Index> points = {};        // the same for faults of vertices
+  std::vector<Index> triangles = {};     // triangles concerned, all of them; one may occur several times
+  std::vector<Index> points = {};        // vertices concerned, for faults of vertices
 
   std::string counted() const;  // "3 open edges"
 };
 
 struct Diagnosis {
   Index points = 0;
-  Index unused_points = 0;  // in no triangle: harmless
+  Index unused_points = 0;  // vertices in no triangle: harmless
   Index triangles = 0;
-  double diagonal = 0;                                     // [m] of the box
-  Index components = 0;                                    // connected by edges
+  double diagonal = 0;                                     // diagonal of the box [m]
+  Index components = 0;                                    // parts connected by edges
   Vec3d box_min = Vec3d::Zero(), box_max = Vec3d::Zero();  // [m]
   double volume = 0;  // [m³] enclosed; negative if the triangles face inwards; NaN if a coordinate is
   Finding not_finite{"coordinates that are not finite", "coordinate that is not finite"};
   Finding duplicate_points{"duplicate vertices", "duplicate vertex"};
-  Finding degenerate{"degenerate triangles", "degenerate triangle"};  // without area, or with a vertex twice
-  Finding duplicate_triangles{"duplicate triangles",
-                              "duplicate triangle"};  // with corners in the same places
+  Finding degenerate{"degenerate triangles", "degenerate triangle"};         // no area, or a vertex twice
+  Finding duplicate_triangles{"duplicate triangles", "duplicate triangle"};  // corners in the same places
   Finding open_edges{"open edges", "open edge"};
-  Finding non_manifold_edges{"non-manifold edges", "non-manifold edge"};  // of three or more triangles
-  // Whose triangles form several fans.
+  Finding non_manifold_edges{"non-manifold edges", "non-manifold edge"};  // edges of three or more triangles
+  // Vertices whose triangles form several fans.
   Finding non_manifold_points{"non-manifold vertices", "non-manifold vertex"};
   Finding inconsistent_edges{"inconsistently oriented edges", "inconsistently oriented edge"};
   // Pairs of triangles; not if coordinates are NaN.

@@ -16,11 +16,11 @@ namespace lobe::meshing {
 struct InterfaceFace {
   std::array<Index, 3> corners{};  // counter-clockwise seen from outside of `tet`
   Index tet = 0;                   // the first of the one or two tetrahedra that have it
-  int label = 0;                   // of that
-  int other = -1;                  // of the other one; −1: outside
+  int label = 0;                   // label of `tet`
+  int other = -1;                  // label of the other one; −1: outside
 };
-std::vector<InterfaceFace> interface_faces(const TetMesh& mesh);  // in the order of their vertices
-Surface boundary_surface(const TetMesh& mesh);                    // with all points of the mesh
+std::vector<InterfaceFace> interface_faces(const TetMesh& mesh);  // faces in the order of their vertices
+Surface boundary_surface(const TetMesh& mesh);                    // keeps all points of the mesh
 
 // The surfaces between the labels of a mesh: (smaller label, larger label), −1 is outside.
 using Interfaces = std::map<std::pair<int, int>, const NearestPoint*>;
@@ -28,8 +28,8 @@ using Interfaces = std::map<std::pair<int, int>, const NearestPoint*>;
 // Where each vertex may go.
 struct Freedom {
   std::vector<std::vector<const NearestPoint*>>
-      slides_on;               // of each vertex; several where several regions meet
-  std::vector<bool> is_fixed;  // on a feature line
+      slides_on;               // surfaces of each vertex; several where several regions meet
+  std::vector<bool> is_fixed;  // whether each vertex is on a feature line
 
   // The point near `point` that is on everything that vertex v slides on.
   Vec3d on_surfaces(Index v, const Vec3d& point) const;

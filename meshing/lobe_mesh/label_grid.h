@@ -23,12 +23,12 @@ namespace lobe::meshing {
 // where two regions meet, that is the level φ_1 = φ_2 of the interpolated φ.
 struct LabelGrid {
   std::array<Index, 3> first{}, size{};  // its first voxel in the image; voxels along i, j, k
-  std::vector<std::uint8_t> regions;     // of each voxel, i fastest
-  std::vector<float> margins;            // of each voxel, in (0, 1]
+  std::vector<std::uint8_t> regions;     // region of each voxel, i fastest
+  std::vector<float> margins;            // weight of each voxel, in (0, 1]
   Mat34<double> to_world = Mat34<double>::Zero();
-  std::vector<int> values;      // of the image, ascending
-  std::vector<double> volumes;  // [m³] of each region, voxels of the image counted before the smoothing
-  std::vector<std::string> warnings;  // what the smoothing lost
+  std::vector<int> values;      // values of the image, ascending
+  std::vector<double> volumes;  // volume of each region [m³]; of an image's voxels, before the smoothing
+  std::vector<std::string> warnings;  // losses by the smoothing
 
   std::size_t index(Index i, Index j, Index k) const {
     return static_cast<std::size_t>(i) +
@@ -57,7 +57,7 @@ class RegionAt {
 // all of one region, at the mean of the crossings on its edges.
 struct LabelSurfaces {
   std::vector<Surface> surfaces;         // one per pair of regions that meet
-  std::vector<Sides> sides;              // of each
+  std::vector<Sides> sides;              // regions on both sides of each
   std::vector<Mat3X<double>> junctions;  // lines where three or more regions meet, smoothed
 };
 LabelSurfaces label_surfaces(const LabelGrid& grid);

@@ -19,7 +19,7 @@ struct LabelImage {
   // 3 × 4: (i, j, k, 1) of a voxel's centre to its position [m]; +x to the patient's left, +y to the back, +z
   // up.
   Mat34<double> to_world = Mat34<double>::Zero();
-  std::vector<std::string> notes = {};  // on what its labels are, for people
+  std::vector<std::string> notes = {};  // notes for people on what its labels are
 
   std::int32_t at(Index i, Index j, Index k) const {
     return values[static_cast<std::size_t>(i) +

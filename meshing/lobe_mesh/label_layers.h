@@ -11,13 +11,13 @@ namespace lobe::meshing {
 
 struct Segment {
   std::size_t layer = 0;
-  std::int32_t value = 1;  // of its voxels in that layer
+  std::int32_t value = 1;  // value of its voxels in that layer
   std::string name = {};
 };
 
 struct MergedLayers {
   std::vector<std::int32_t> values;  // one label per voxel: 1, 2, … of the segments; 0: of none
-  std::vector<Segment> segments;     // in the order of their labels
+  std::vector<Segment> segments;     // segments in the order of their labels
   std::size_t shared = 0;            // voxels of several segments, which have the label of the last one
 };
 

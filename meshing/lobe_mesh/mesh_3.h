@@ -156,7 +156,7 @@ struct Counted : Domain {
   mutable std::size_t asked = 0, intersected = 0;
   std::function<void()> on_progress;
 };
-constexpr double asked_per_tet = 6;  // of the finished mesh, roughly
+constexpr double asked_per_tet = 6;  // questions per tetrahedron of the finished mesh, roughly
 
 // Far more than any refinement needs that ends: coarse meshes of detailed surfaces, too.
 inline double most_intersections(double expected_tets) { return 1e6 + 100 * expected_tets; }

@@ -23,13 +23,13 @@ struct Sides {
 // need not be closed, and its neighbours share its border.
 struct Model {
   std::vector<Surface> surfaces;                // [m]
-  std::vector<Sides> sides;                     // of each surface
-  std::vector<std::vector<Polyline>> features;  // of each surface
-  std::vector<int> labels;                      // of each region, in what is written
-  std::vector<double> volumes;                  // [m³] of each region
+  std::vector<Sides> sides;                     // regions on both sides of each surface
+  std::vector<std::vector<Polyline>> features;  // feature lines of each surface
+  std::vector<int> labels;                      // label of each region in what is written
+  std::vector<double> volumes;                  // volume of each region [m³]
   std::vector<std::string> warnings;
-  std::vector<Mat3X<double>> junctions;           // [m] lines where three or more regions meet
-  std::function<int(const Vec3d&)> image_region;  // of an image, −1: background; else empty
+  std::vector<Mat3X<double>> junctions;           // lines where three or more regions meet [m]
+  std::function<int(const Vec3d&)> image_region;  // region of a point of an image, −1: background; else empty
 
   bool is_image() const { return static_cast<bool>(image_region); }
   bool shares_walls() const { return !is_image() && !junctions.empty(); }

@@ -45,7 +45,7 @@ class Lines {
   const FileText& file_;
   bool continues_ = false;
   std::size_t position_ = 0;
-  std::size_t number_ = 0, first_ = 0;  // of the last line that was read, and of the first of its words
+  std::size_t number_ = 0, first_ = 0;  // numbers of the last line read, and of the first of its words
 };
 
 std::optional<double> to_number(std::string_view word);  // accepts nan and inf

@@ -13,10 +13,10 @@
 namespace lobe::meshing {
 
 struct RelaxGoal {
-  double edge = 1;               // [m] that the time step is measured by
-  double time_step_star = 0.8;   // of every vertex, by the vertex estimate, which is up to 25 % too long
+  double edge = 1;               // edge by which the time step is measured [m]
+  double time_step_star = 0.8;   // time step of every vertex, by its estimate, which is up to 25 % too long
   double min_dihedral = 21;      // [degrees]
-  double poisson_ratio = 0.4;    // of the material whose time step it is
+  double poisson_ratio = 0.4;    // ratio of the material whose time step it is
   std::size_t most_work = 3000;  // elements evaluated per tetrahedron, against hopeless meshes
 };
 

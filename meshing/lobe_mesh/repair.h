@@ -19,7 +19,7 @@ enum class Repair {
 
 struct RepairOptions {
   Repair level = Repair::basic;
-  double largest_hole = 0.15;  // of the surface's diagonal: wider holes are refused, not filled
+  double largest_hole = 0.15;  // share of the surface's diagonal: wider holes are refused, not filled
   double wrap_alpha = 0;       // [m] gaps narrower than this are bridged; 0: diagonal / 60
   double wrap_offset = 0;      // [m] distance of the wrapping from the surface; 0: alpha / 30
 };
@@ -27,7 +27,7 @@ struct RepairOptions {
 // What one step of the repair did. Steps that changed nothing are not listed.
 struct RepairStep {
   std::string name;
-  Index count = 0;      // of what was changed
+  Index count = 0;      // number of changes
   std::string message;  // "filled 2 holes with 17 triangles"
   // [m³] enclosed before and after the step. Means little while the surface is open.
   double volume_before = 0, volume_after = 0;

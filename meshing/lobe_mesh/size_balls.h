@@ -22,7 +22,7 @@ class SizeBalls {
   struct Node {
     Eigen::AlignedBox3d centres;
     double shortest = 0, least = 0;  // [m] edge; edge − growth × radius
-    std::size_t begin = 0, end = 0;  // of the balls
+    std::size_t begin = 0, end = 0;  // range in the balls
     std::size_t right = 0;           // its left child is the next node; 0: a leaf
   };
   void build(std::size_t begin, std::size_t end);

@@ -29,7 +29,7 @@ class Sizing {
   double distance_to_region(const Vec3d& point, int region) const;
 
   const Model& model_;
-  std::vector<double> edges_;  // of each region
+  std::vector<double> edges_;  // edge of each region
   SizeBalls balls_;
   std::vector<NearestPoint> surfaces_;
   double growth_ = 0, shortest_ = 0;

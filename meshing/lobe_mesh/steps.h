@@ -41,15 +41,15 @@ struct Seed {
 
 struct MeshingRun {
   const Sizing& sizing;
-  const std::vector<Seed>& seeds;             // that the refinement starts from besides its own
+  const std::vector<Seed>& seeds;             // points from which the refinement starts besides its own
   double time_limit;                          // [s]
-  double expected_tets;                       // for `progress`
+  double expected_tets;                       // total for `progress`
   std::function<void(double done)> progress;  // 0 … 1
 };
 
 // CGAL's Delaunay refinement (Mesh_3). Stops with MeshingFailure when the time is over.
 TetMesh mesh_with_cgal(const Model& model, const MeshingRun& run);
-TetMesh mesh_image_with_cgal(const Model& model, const MeshingRun& run);  // of a label image
+TetMesh mesh_image_with_cgal(const Model& model, const MeshingRun& run);  // meshes a label image
 
 // TetGen in a process of its own; the surfaces become the faces of the mesh, triangle for triangle.
 TetMesh mesh_with_tetgen(const Model& model, double edge, const MeshOptions& options);

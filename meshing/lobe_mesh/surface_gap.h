@@ -16,7 +16,7 @@ namespace lobe::meshing {
 struct SurfacePoint {
   Vec3d point, normal;  // outwards, of unit length
   double area = 0;
-  Index triangle = 0;       // of the surface
+  Index triangle = 0;       // triangle of the surface
   std::size_t surface = 0;  // its number, where there are several
 };
 std::vector<SurfacePoint> points_on(const Surface& surface, double spacing, std::size_t number = 0);

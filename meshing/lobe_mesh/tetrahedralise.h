@@ -29,24 +29,24 @@ struct SizeBall {
 };
 
 struct MeshOptions {
-  double edge = 0;  // [m] edge of the regular tetrahedron of mean volume to aim at; 0: diagonal / 25
-  std::map<int, double> label_edges = {};  // [m] of single labels, in place of `edge` (cgal only)
-  std::vector<SizeBall> balls = {};        // (cgal only)
-  double growth = 0.3;                     // of the edge per distance, where it changes
+  double edge = 0;  // edge of the regular tetrahedron of mean volume to aim at [m]; 0: diagonal / 25
+  std::map<int, double> label_edges = {};  // edges in single labels, in place of `edge` [m] (cgal only)
+  std::vector<SizeBall> balls = {};        // balls with edges of their own (cgal only)
+  double growth = 0.3;                     // growth of the edge per distance, where it changes
   // Whether edges are shorter along parts of the surface that a mesh would lose (cgal only). With `edge` 0
   // they are in any case.
   bool keep_thin = false;
   Mesher mesher = Mesher::cgal;
-  // How many of the surfaces, the last ones, bound cavities: what they enclose is not meshed.
+  // Number of surfaces, the last ones, that bound cavities: what they enclose is not meshed.
   std::size_t cavities = 0;
 
-  double smoothing = 1;  // [voxels] of a label image's staircase: width of the Gaussian, see label_grid.h
+  double smoothing = 1;  // width of the Gaussian on a label image's staircase [voxels], see label_grid.h
 
   int tries = 1;              // meshes of slightly different edges, of which the best is kept
-  double feature_angle = 60;  // [degrees] edges that turn by more are kept sharp
-  double time_limit = 600;    // [s] of wall-clock time for all tries of the mesher
-  double memory_limit = 8e9;  // [bytes] of TetGen's process
-  double lambda = 4e4;        // [Pa] material that the stable time step is reported for
+  double feature_angle = 60;  // turn above which an edge is kept sharp [degrees]
+  double time_limit = 600;    // wall-clock time for all tries of the mesher [s]
+  double memory_limit = 8e9;  // memory of TetGen's process [bytes]
+  double lambda = 4e4;        // moduli of the material that the stable time step is reported for [Pa]
   double mu = 1e4;            // [Pa]
   double density = 1000;      // [kg/m³]
   // Called now and then with what is being done, and how much of it: 0 … 1, or −1 where that is unknown.
@@ -57,12 +57,12 @@ struct MeshOptions {
 // What a mesh must reach, or further ones are made with another edge and the other mesher.
 struct QualityGate {
   double min_dihedral = 15;              // [degrees]
-  double smallest_altitude_ratio = 0.1;  // to the longest edge of its tetrahedron
+  double smallest_altitude_ratio = 0.1;  // smallest altitude over the longest edge of its tetrahedron
   double time_step_star = 0.5;
-  double gap = 1;  // largest distance between surface and mesh, in the longest edge asked for
+  double gap = 1;  // largest distance between surface and mesh, over the longest edge asked for
 };
 constexpr QualityGate quality_gate;
-constexpr int second_tries = 4;  // at most, after `tries`
+constexpr int second_tries = 4;  // most further tries, after `tries`
 
 struct Phase {
   std::string name;
@@ -71,7 +71,7 @@ struct Phase {
 
 struct Attempt {
   Mesher mesher = Mesher::cgal;
-  double edge = 0;            // [m] aimed at
+  double edge = 0;            // edge aimed at [m]
   double min_dihedral = 0;    // [degrees]
   double time_step_star = 0;  // 0: it failed
   std::string failure;
@@ -81,51 +81,51 @@ struct Attempt {
 struct Bottleneck {
   Index vertex = -1;
   Vec3d position = Vec3d::Zero();  // [m]
-  Index tets = 0;                  // around it
+  Index tets = 0;                  // tetrahedra around it
   bool on_boundary = false;
 };
 
 // Distances of one surface from another, weighted by area.
 struct SurfaceGap {
   double mean = 0, percentile_95 = 0, largest = 0;  // [m]
-  Vec3d place = Vec3d::Zero();                      // of the largest [m]
+  Vec3d place = Vec3d::Zero();                      // place of the largest [m]
 };
 
 struct MeshReport {
-  Mesher mesher = Mesher::cgal;  // of the mesh that was kept
-  double edge = 0;               // [m] as asked for, or chosen
-  double shortest_edge = 0;      // [m] asked for anywhere
-  double longest_edge = 0;       // [m] asked for in any label
-  double mean_edge = 0;          // [m] as Quality has it
+  Mesher mesher = Mesher::cgal;  // mesher of the mesh that was kept
+  double edge = 0;               // edge asked for, or chosen [m]
+  double shortest_edge = 0;      // shortest edge asked for anywhere [m]
+  double longest_edge = 0;       // longest edge asked for in any label [m]
+  double mean_edge = 0;          // mean edge as in Quality [m]
   Index vertices = 0;
   Index tets = 0;
   Index boundary_faces = 0;
   Quality quality;
   double surface_volume = 0;  // [m³]
-  double volume_error = 0;    // [%] of the mesh against the surface
-  double time_step = 0;       // [s] largest stable step of the material
+  double volume_error = 0;    // excess of the mesh's volume over the surface's [%]
+  double time_step = 0;       // largest stable step of the material [s]
   // time_step × wave speed / edge of the regular tetrahedron of mean volume (/ shortest_edge, if edges
   // differ): independent of size and material.
   double time_step_star = 0;
   Bottleneck bottleneck;
-  // Of the input's surfaces (of an image: between smoothed labels) and the mesh's boundary and interfaces.
+  // Distances of the input's surfaces (for an image: those between smoothed labels) and of the mesh's faces.
   SurfaceGap surface_to_mesh, mesh_to_surface;
-  double keeping_edge = 0;  // [m] that would keep parts of the surface that the mesh lost; 0: it lost none
+  double keeping_edge = 0;  // edge that would keep parts which the mesh lost [m]; 0: it lost none
   struct Part {
     int label = 0;
     Index tets = 0;
-    double volume = 0, surface_volume = 0;  // [m³] of the mesh; of the surfaces or voxels
+    double volume = 0, surface_volume = 0;  // volumes of the mesh, and of the surfaces or voxels [m³]
     double volume_error() const { return 100 * (volume / surface_volume - 1); }  // [%]
   };
-  std::vector<Part> parts;  // of each label
+  std::vector<Part> parts;  // one part per label
   std::vector<Attempt> attempts;
   std::vector<Phase> phases;
   std::vector<std::string> warnings;
 
-  Index missing_labels() const;  // without a tetrahedron
-  double largest_gap() const;    // [m] either way
-  bool has_good_shapes() const;  // what the gate says of angles, altitudes and time step
-  bool passes() const;           // the gate, with every label
+  Index missing_labels() const;  // labels without a tetrahedron
+  double largest_gap() const;    // larger of both gaps [m]
+  bool has_good_shapes() const;  // whether angles, altitudes and time step pass the gate
+  bool passes() const;           // whether the mesh passes the gate with every label
 };
 
 // Surfaces must be what repair_surface() returns, each inside another one or apart from it, or with the same
@@ -136,7 +136,7 @@ struct MeshReport {
 // give up.
 TetMesh tetrahedralise(const std::vector<Surface>& surfaces, const MeshOptions& options, MeshReport& report);
 
-// The same for every label of the image but 0; tetrahedra carry the image's labels. With Mesher::cgal only.
+// Meshes every label of the image but 0; tetrahedra carry the image's labels. With Mesher::cgal only.
 TetMesh tetrahedralise(const LabelImage& image, const MeshOptions& options, MeshReport& report);
 
 }  // namespace lobe::meshing

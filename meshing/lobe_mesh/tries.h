@@ -40,7 +40,7 @@ class Stopwatch {
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now(), last_ = start_;
 };
 
-constexpr double point_spacing = 0.5;  // of the edge, of points on surfaces
+constexpr double point_spacing = 0.5;  // spacing of points on surfaces, as a share of the edge
 
 // A third of the size of a region, 6 V/A: of a cube that is its edge, of a ball its diameter.
 double edge_within(const Model& model, int region);

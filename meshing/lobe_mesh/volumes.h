@@ -15,7 +15,7 @@ std::vector<double> label_volumes(const TetMesh& mesh, int count);
 // Largest error, as a part of its goal, of the labels that have tetrahedra.
 double largest_volume_error(const TetMesh& mesh, const std::vector<double>& goals);
 
-constexpr double accepted_volume_error = 0.02;  // of a label
+constexpr double accepted_volume_error = 0.02;  // relative error of a label's volume
 
 // Moves the vertices of boundaries and interfaces until the volume of every label k is goals[k] but for the
 // accepted error; a mesh where it is already stays bit for bit. The displacement

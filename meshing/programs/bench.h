@@ -14,11 +14,11 @@ struct BenchOptions {
   std::vector<std::string> surfaces;
   std::filesystem::path output;
   std::vector<int> tets = {2000, 20000, 200000};
-  std::vector<int> first_tets;   // of the first surface, beside those
+  std::vector<int> first_tets;   // tetrahedra of the first surface, beside those
   int first = 0;                 // number of the first fuzzed surface
-  int count = 1000;              // of fuzzed surfaces
+  int count = 1000;              // number of fuzzed surfaces
   double time_limit = 60;        // [s] of each of those
-  std::string repair = "basic";  // of those, as for lobe-mesh
+  std::string repair = "basic";  // repair of those, as for lobe-mesh
 };
 
 // Every surface with both meshers at every size: time step, angles, volume, processor time, memory. Returns

@@ -54,7 +54,7 @@ class Equations {
   Averages averages_;  // none
   Ghosted u_, sums_;
   PrescribedComponents is_prescribed_;
-  Mat3X<double> prescribed_, loads_;  // per owned vertex at full load [m], [N]
+  Mat3X<double> prescribed_, loads_;  // values of owned vertices at full load [m], [N]
   std::int64_t unknowns_ = 0;
   bool is_linear_ = false;
 };

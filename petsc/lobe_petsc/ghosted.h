@@ -19,7 +19,7 @@ class Ghosted {
   Mat3X<double> local() const;  // 3 × #local vertices, ghosts as the owners have them
   void set_owned(const Mat3X<double>& local);
   void sum(const Mat3X<double>& local);  // sets the owned ones to the sum over all ranks
-  void update_ghosts();                  // from the owners to the ghosts
+  void update_ghosts();                  // copies values from the owners to the ghosts
   std::int64_t ghost_bytes() const {
     return 24 * std::int64_t(ghosts_);
   }  // that update_ghosts() receives here

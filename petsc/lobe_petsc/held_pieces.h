@@ -7,7 +7,7 @@
 namespace lobe::petsc {
 
 using PrescribedComponents =
-    Eigen::Matrix<bool, 3, Eigen::Dynamic>;  // per local vertex and component: it is prescribed
+    Eigen::Matrix<bool, 3, Eigen::Dynamic>;  // whether each component of each local vertex is prescribed
 
 // Throws InputError on all ranks if there is such a piece (solve/floating.h says when).
 void refuse_floating_pieces(const Ranks& ranks, const Part& part, const Elements& elements,

@@ -11,12 +11,12 @@ namespace lobe::petsc {
 // ghosts.
 struct Part {
   TetMesh mesh;                          // local numbers; prepared
-  std::vector<Index> tet_number;         // in the file; ascending
-  std::vector<Index> vertex_number;      // in the file
-  std::vector<PetscInt> global;          // per local vertex: its row of blocks in matrices and vectors
+  std::vector<Index> tet_number;         // numbers in the file, ascending
+  std::vector<Index> vertex_number;      // numbers in the file
+  std::vector<PetscInt> global;          // row of blocks of each local vertex in matrices and vectors
   Index owned = 0;                       // local vertices 0 … owned − 1
   std::vector<TetFace> outer;            // faces of the whole body's surface
-  Index all_tets = 0, all_vertices = 0;  // of the file
+  Index all_tets = 0, all_vertices = 0;  // numbers of the file
   Index all_owned = 0;                   // vertices that tetrahedra use, over all ranks
 
   Index vertex_of(Index number) const;  // local, −1 if it is not here

@@ -52,7 +52,7 @@ class Ranks {
   double max(double mine) const { return reduce(mine, MPI_DOUBLE, MPI_MAX); }
   double min(double mine) const { return reduce(mine, MPI_DOUBLE, MPI_MIN); }
   std::int64_t sum_before(std::int64_t mine) const;  // over the lower ranks
-  std::vector<double> gather(double mine) const;     // of each rank, on all ranks
+  std::vector<double> gather(double mine) const;     // each rank's number, on all ranks
   void wait() const { MPI_Barrier(comm_); }
 
   // Sends each rank its list; returns the list that each rank sent here. No list of more than 2^31 − 1 items.
@@ -78,7 +78,7 @@ class Ranks {
     return from;
   }
   template <class Item>
-  std::vector<Item> gather(const std::vector<Item>& mine) const {  // of all ranks in order, on all ranks
+  std::vector<Item> gather(const std::vector<Item>& mine) const {  // in the order of ranks, on all ranks
     std::vector<Item> all;
     for (const auto& list : exchange(std::vector<std::vector<Item>>(std::size_t(count_), mine)))
       all.insert(all.end(), list.begin(), list.end());

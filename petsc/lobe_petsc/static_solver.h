@@ -18,16 +18,16 @@ std::vector<std::string> available_methods();
 
 struct SolverOptions {
   Method method = Method::automatic;
-  double tolerance = 1e-10;  // of the residual, relative to the loads and reactions
-  int most_iterations = 60;  // of Newton's method per load step
+  double tolerance = 1e-10;  // bound of the residual, relative to the loads and reactions
+  int most_iterations = 60;  // iterations of Newton's method per load step
   double smallest_load_step = 1e-4;
   std::function<void(const std::string&)> tell;  // one line per Newton iteration, on rank 0
 };
 
 struct Seconds {        // wall time, the longest of all ranks
-  double assembly = 0;  // of the tangent
-  double setup = 0;     // of the preconditioner, or of the factor
-  double solve = 0;     // of conjugate gradients, and of all else
+  double assembly = 0;  // time of the tangent
+  double setup = 0;     // time of the preconditioner, or of the factor
+  double solve = 0;     // time of conjugate gradients, and of all else
   double forces = 0;
 };
 
@@ -39,14 +39,14 @@ struct Solution {
   Mat3X<double> u;           // 3 × #local vertices [m]
   double energy = 0;         // elastic [J]
   double smallest_volume_ratio = 1;
-  int newton_iterations = 0;       // with the moves of the boundary
-  int linear_iterations = 0;       // of conjugate gradients, in all
-  int most_linear_iterations = 0;  // of one linear system
+  int newton_iterations = 0;       // iterations, with those for moves of the boundary
+  int linear_iterations = 0;       // iterations of conjugate gradients, in all
+  int most_linear_iterations = 0;  // most iterations of one linear system
   int load_steps = 0;
   std::string method;
-  double nonzeros = 0;  // of the tangent
+  double nonzeros = 0;  // entries of the tangent
   std::int64_t unknowns = 0;
-  std::int64_t ghost_bytes = 0;  // that this rank receives per product with the tangent
+  std::int64_t ghost_bytes = 0;  // bytes that this rank receives per product with the tangent
   Seconds seconds;
 };
 

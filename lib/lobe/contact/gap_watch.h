@@ -1,10 +1,10 @@
 // Which of the pairs of a search (pair_search.h) may touch in a step.
 //
-// That pairs which the search does not list stay apart follows from the motion of parts of the body. From
+// Pairs which the search does not list stay apart: a bound of how parts of the body have moved shows it. From
 // time to time the body is measured: its parts, and the gaps of the pairs of the list (gap_kernels.h). Both
 // are measured not where the body is, but where it will be at its present velocities half of the time until
 // the next measurement. Let s be the largest displacement of any two vertices relative to each other since
-// that configuration. Then no gap is smaller than there by more than s. A bound of s is how far vertices have
+// that configuration. Then no gap has shrunk by more than s. A bound of s is how far vertices have
 // moved in all steps. If that does not suffice, s is found in one pass over all vertices.
 //
 // Pairs whose gap is larger than all the way to the next measurement are left alone until then. The others

@@ -65,11 +65,13 @@ TEST_CASE("an incision that does not fit the body is refused and changes nothing
 TEST_CASE("a history with an entry that the body cannot follow is refused and changes nothing") {
   const Setup setup = hanging();
   const Index vertices = setup.mesh.vertex_count();
-  const std::string held =
-      "held vertices: one of them does not exist or is held at a place that is not finite";
+  const auto held = [](Index vertex) {
+    return "held vertex " + std::to_string(vertex) +
+           ": does not exist, or is held at a place that is not finite or by a share not in (0, 1]";
+  };
   const std::vector<std::pair<JournalEntry, std::string>> cases = {
-      {hold({.vertex = vertices}), held},
-      {hold({.vertex = 0, .goal = Vec3d(0, std::nan(""), 0)}), held},
+      {hold({.vertex = vertices}), held(vertices)},
+      {hold({.vertex = 0, .goal = Vec3d(0, std::nan(""), 0)}), held(0)},
       {about(std::size_t(3 * vertices)),
        "precomputed region: there is none to condense, or it is being condensed already"},
       {EndCondensing{}, "precomputed region: condensing has not begun, so it cannot end"},

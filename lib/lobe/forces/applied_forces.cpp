@@ -48,7 +48,8 @@ void AppliedForces<Real>::set(const std::vector<Spring>& springs, Index vertices
 template <class Real>
 void AppliedForces<Real>::move(const Mat3X<double>& points) {
   if (points.cols() != Eigen::Index(springs_.size()) || !points.allFinite())
-    throw InputError("springs", "need one finite point each, " + std::to_string(springs_.size()));
+    throw InputError("springs", "there are " + std::to_string(springs_.size()) +
+                                    ": give as many points, with finite coordinates");
   targets_ = points;
 }
 

@@ -80,7 +80,9 @@ typename Organ<Real>::Cut Organ<Real>::cut(const BladeMove& move) {
   }
   for (const std::string& text : blades_.unfit(move, !incisions.empty(), elements(), body_now()))
     notice(Condition::Kind::scalpel, text);
-  if (made.steps.empty()) notice(Condition::Kind::scalpel, "more than 32 blades cut at once: one waits");
+  if (made.steps.empty())
+    notice(Condition::Kind::scalpel,
+           "32 other blades cut: this one waits until one of them stops or is lifted");
   if (!incisions.empty()) {
     journal_.edits.push_back(Incise{std::move(incisions)});
     const MeshEdit edit = divide(opened);

@@ -105,7 +105,9 @@ void Organ<Real>::check(const State<Real>& state) {
   if (!state.u.allFinite() || !state.v.allFinite() || !std::isfinite(state.time))
     throw InputError("state", "it holds values that are not finite");
   if (!(state.velocity_lag >= 0) || !std::isfinite(state.velocity_lag))
-    throw InputError("state", "its velocities must be older than its displacements by 0 s or more");
+    throw InputError("state", "velocity_lag must be 0 s or more and finite, not " +
+                                  std::to_string(state.velocity_lag) +
+                                  ": it says how much older velocities are than displacements");
 }
 
 template <class Real>

@@ -18,9 +18,11 @@ template <class Real>
 void Organ<Real>::hold(const HeldVertices& now) {
   const Index vertices = elements().topology.vertex_count();
   const std::vector<HeldVertices::Held> items = now.as_saved();
-  if (!std::all_of(items.begin(), items.end(),
-                   [&](const HeldVertices::Held& item) { return item.is_valid() && item.vertex < vertices; }))
-    throw InputError("held vertices", "one of them does not exist or is held at a place that is not finite");
+  for (const HeldVertices::Held& item : items)
+    if (!item.is_valid() || item.vertex >= vertices)
+      throw InputError(
+          "held vertex " + std::to_string(item.vertex),
+          "does not exist, or is held at a place that is not finite or by a share not in (0, 1]");
   edit({.velocities = true, .energies = body_.regions.any_roles()}, [&] {
     RegionEdit regions;
     for (const HeldVertices::Held& item : held().as_saved()) regions.vertices.push_back(item.vertex);

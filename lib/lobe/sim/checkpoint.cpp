@@ -18,7 +18,12 @@ constexpr io::Format format{std::is_same_v<Real, float> ? "lobestaf" : "lobestad
                             std::is_same_v<Real, float> ? "state of a world in single precision"
                                                         : "state of a world in double precision"};
 
-[[noreturn]] void refuse() { throw InputError("checkpoint", "does not fit the scene that it names"); }
+// Refuses a checkpoint of the right setup with a part that this cannot have.
+void expect(bool fits, const std::string& part) {
+  if (!fits)
+    throw InputError("checkpoint", "is of this scene, but has " + part +
+                                       " that do not fit it: it was damaged or changed, take another one");
+}
 
 // Tries the saved states of terms that an application has added. They keep their own. Throws InputError, as
 // the terms do.
@@ -44,40 +49,60 @@ void try_added_terms(const std::vector<std::shared_ptr<ForceTerm<Real>>>& terms,
 }
 
 template <class Real>
-void check_fits(const Checkpoint<Real>& c, const Organ<Real>& organ) {
-  const Index vertices = organ.elements().topology.vertex_count();
-  const auto tets = std::size_t(organ.elements().topology.tet_count());
-  const std::vector<Index>& piece_of = c.pieces.piece_of;
+void check_pieces(const Checkpoint<Real>& c, std::size_t tets) {
   const auto is_known = [&](Index piece) {
     return piece >= 0 && std::size_t(piece) < c.pieces.was_held.size();
   };
+  const std::vector<Index>& piece_of = c.pieces.piece_of;
+  expect(is_known(0) && (piece_of.empty() || piece_of.size() == tets) &&
+             std::all_of(piece_of.begin(), piece_of.end(), is_known),
+         "pieces");
+}
+
+template <class Real>
+void check_held(const Checkpoint<Real>& c, Index vertices) {
   const auto is_holder = [&](int holder) {
     return std::any_of(c.tools.grasps.begin(), c.tools.grasps.end(), [&](const Grasp& grasp) {
       return grasp.id == holder && grasp.phase == Grasp::Phase::holding;
     });
   };
-  const std::vector<int> degrees = organ.body().inertia.degrees();
-  bool fits =
-      std::count(degrees.begin(), degrees.end(), c.mass_degree) == 1 && c.state.u.cols() == vertices &&
-      c.state.v.cols() == vertices && (piece_of.empty() || piece_of.size() == tets) &&
-      Tools::fits(c.tools, vertices, organ.setup()) && Blades::fits(c.blades, organ.grains()) &&
-      c.sleep.asleep.size() == organ.body().sleep.state().asleep.size() &&
-      c.sleep.still_since.size() == c.sleep.asleep.size() &&
-      c.sleep.squares.size() == c.sleep.asleep.size() && c.ratios.of_vertex.size() == std::size_t(vertices) &&
-      (c.acceleration.size() == 0 || c.acceleration.cols() == vertices);
-  fits = fits && is_known(0) && organ.body().regions.fits(c.nodes, organ.elements());
-  for (Index piece : piece_of) fits = fits && is_known(piece);
+  for (const HeldVertices::Held& item : c.held.as_saved())
+    expect(item.vertex >= 0 && item.vertex < vertices &&
+               (item.holder == HeldVertices::boundary || is_holder(item.holder)),
+           "held vertices");
+}
+
+// Tries the terms that an organ makes by itself.
+template <class Real>
+void check_own_terms(const Checkpoint<Real>& c, const Organ<Real>& organ) {
   for (const auto& term : c.terms)
     if (const auto* kind = find_kind_of_term<Real>(term.name)) {
       const std::shared_ptr<ForceTerm<Real>> tried = kind->make(organ.setup());
-      tried->load(term.saved, vertices);
+      tried->load(term.saved, organ.elements().topology.vertex_count());
       tried->acts_on(organ.body().model);  // throws for what the body does not have
     }
-  for (Index t : c.unravelling.tets) fits = fits && t >= 0 && std::size_t(t) < tets;
-  for (const HeldVertices::Held& item : c.held.as_saved())
-    fits = fits && item.vertex >= 0 && item.vertex < vertices &&
-           (item.holder == HeldVertices::boundary || is_holder(item.holder));
-  if (!fits) refuse();
+}
+
+template <class Real>
+void check_fits(const Checkpoint<Real>& c, const Organ<Real>& organ) {
+  const Index vertices = organ.elements().topology.vertex_count();
+  const auto tets = std::size_t(organ.elements().topology.tet_count());
+  const std::size_t sleepers = organ.body().sleep.state().asleep.size();
+  const std::vector<int> degrees = organ.body().inertia.degrees();
+  expect(std::count(degrees.begin(), degrees.end(), c.mass_degree) == 1, "selective masses of a degree");
+  expect(c.state.u.cols() == vertices && c.state.v.cols() == vertices, "displacements of other vertices");
+  expect(c.acceleration.size() == 0 || c.acceleration.cols() == vertices, "accelerations of other vertices");
+  check_pieces(c, tets);
+  expect(Tools::fits(c.tools, vertices, organ.setup()), "tools");
+  expect(Blades::fits(c.blades, organ.grains()), "cuts of blades");
+  expect(c.sleep.asleep.size() == sleepers && c.sleep.still_since.size() == sleepers &&
+             c.sleep.squares.size() == sleepers,
+         "sleeping vertices");
+  expect(c.ratios.of_vertex.size() == std::size_t(vertices), "frequencies of other vertices");
+  expect(organ.body().regions.fits(c.nodes, organ.elements()), "nodes of regions");
+  check_own_terms(c, organ);
+  for (Index t : c.unravelling.tets) expect(t >= 0 && std::size_t(t) < tets, "crushed tetrahedra");
+  check_held(c, vertices);
 }
 
 }  // namespace

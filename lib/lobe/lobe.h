@@ -34,11 +34,18 @@
 //   mesh: the tetrahedra of a body and the rest positions of its vertices.
 //   world: a body that is being simulated: its state, its tools and its time; C++ class World.
 //   scene: a JSON file that says what a world starts from and what happens in it.
+//   setup: a scene resolved on one mesh, as plain arrays, from which a world is built; C++ struct Setup.
 //   rest position: where a vertex is without loads [m].
 //   displacement: present position less rest position [m].
 //   region: a part of a body that is computed by one model; several regions may have the same model.
 //   non-linear region: a region of tetrahedra of a non-linear law (St Venant-Kirchhoff, neo-Hookean, Yeoh,
 //     Mooney-Rivlin, Holzapfel), for large displacements and rotations.
+//   edge-smoothed tetrahedron: a tetrahedron whose law is evaluated on averages around its edges; on the same
+//     mesh nearer to the truth than a plain one.
+//   smoothing domain: an edge with a sixth of each tetrahedron around it, over which edge-smoothed tetrahedra
+//     average.
+//   nodal pressure: pressure from averages around vertices in place of single tetrahedra, so that nearly
+//     incompressible tissue does not lock.
 //   linear region: a tensor-mass or a pre-computed region; right for small strains with little rotation, or
 //     with a corotated frame also where it turns as a whole.
 //   tensor-mass region: a linear region that moves with its own inertia; not the paper's non-linear
@@ -70,6 +77,13 @@
 //   free vertex: a vertex that nothing holds.
 //   grasped vertex: a vertex that moves with a tool.
 //   tool: a grasp, a cautery, a scalpel, a probe or a clip applier, on a path or moved by hand.
+//   grasp: a tool that takes hold of vertices and moves them.
+//   cautery: a tool that burns away the tetrahedra it touches.
+//   scalpel: a tool that divides tetrahedra with an edge.
+//   probe: a rigid tool that presses on tissue and rubs along it, or a pair of jaws.
+//   obstacle: a rigid body that does not move, such as a table.
+//   held depth: what a contact's law adds to its depth; it grows while the contact is deep, until the
+//     contact bears its load at no depth.
 //   lead: to move a tool by hand, to a new pose in each frame.
 //   hand: what moves one tool in a session; a controller names each of its hands by a number.
 //   controller: a person or program that has hands in a session.
@@ -85,13 +99,18 @@
 //     body.
 //   diagonal stiffness: the stiffness that each vertex feels when it moves while its neighbours are
 //     held.
+//   force term: a force on a body besides those of its regions, its weight and its loads: contact, threads,
+//     attachments, or one of an application.
 //   lumped mass: a diagonal mass matrix, a quarter of each tetrahedron's mass at each corner.
 //   selective mass: inertia that is larger for short waves, so that steps may be longer.
 //   mass floor: mass added where a blade has divided tetrahedra, so that the stable step should not shrink
 //     below a set share (cut_step).
 //   watch: the part of lobe that estimates an error while a scene runs, and asks for corrections.
+//   total error: by how much results differ from those of the same body on a far finer mesh, or one of
+//     quadratic tetrahedra: the error of mesh, element, models of regions and of what is held.
 //   sleep: the state of parts that do not move, which are not evaluated until they do.
 //   guard: an energy that keeps crushed non-linear tetrahedra from collapsing.
+//   volume ratio: present over rest volume of a tetrahedron; negative if it is inverted.
 //   tangle: neighbouring tetrahedra that are crushed or inverted and keep each other so; the world unravels
 //     it.
 //   surface: the boundary triangles of the tetrahedra, with cut faces; for drawing and contact.
@@ -99,6 +118,7 @@
 //   snapshot: state, surface, tools and figures of one moment, copied for other threads.
 //   attachment: what ties bodies to each other or to the world, and may tear: a set of strands.
 //   strand: a straight elastic connection between two points of the tissue, or from one to the world.
+//   bite: a point of the tissue through which a thread passes.
 //   bed: strands that cover a part of the surface.
 //   clip: two legs that hold a duct closed; a clip applier closes it.
 //   carrier: a body in which blood or bile flows, and which bleeds or leaks where it is cut.
@@ -110,11 +130,14 @@
 //     where there is one.
 //   checkpoint: all that has changed in a world since it was built; a world of the same setup goes on from
 //     it with the same bits.
+//   journal: the edits of a world since it was built.
 //   same bits: results that are equal to the last digit.
 //   digest: a 64-bit number that is computed from a state; if any bit of the state differs, it almost
 //     certainly differs.
 //   recording: the calls made to a world, with a digest after each, which a replay compares.
 //   session: a world that controllers command from any thread, usually in step with the clock.
+//   local model: what a haptic loop knows of the tissue until the next frame: a force, its place and a
+//     stiffness.
 //
 // Symbols (SI units):
 //   X rest position [m]; x present position [m]; u = x − X displacement [m]; v velocity [m/s]

@@ -56,7 +56,7 @@ class SessionOf : public lobe_session {
  public:
   SessionOf(Scene scene, Resolved resolved, const SessionOptions& options)
       : scene_(std::move(scene)),
-        setup_(std::move(resolved.setup)),
+        setup_(session_setup(scene_, std::move(resolved.setup))),
         session_(setup_, options),
         controller_(session_.connect("engine")) {}
 

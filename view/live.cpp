@@ -50,7 +50,7 @@ class LiveOf final : public Live {
  public:
   LiveOf(const Scene& scene, const Resolved& resolved, const LiveOptions& options)
       : scene_(scene),
-        setup_(resolved.setup),
+        setup_(session_setup(scene, resolved.setup)),
         session_(setup_, with_skin(session_options(options))),
         published_(options.published) {
     if (!scene.skin.empty()) skin_.emplace(skin_path(scene), setup_.mesh, session_.world());

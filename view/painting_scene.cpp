@@ -8,6 +8,7 @@
 #include "lobe/scene/read_scene.h"
 #include "lobe/scene/scene_mesh.h"
 #include "lobe/scene/write_scene.h"
+#include "lobe/setup/exclusions.h"
 #include "painting.h"
 
 namespace lobe::view {
@@ -121,6 +122,8 @@ Scene Painting::scene(const std::filesystem::path& mesh) const {
   scene.mesh_scale = 1;  // that mesh is scaled
   scene.auto_regions.reset();
   add_regions(scene);
+  const auto sleeps = [](RegionModel model) { return goes_with(Option::sleep, {option_of(model)}); };
+  if (!std::all_of(regions().begin(), regions().end(), sleeps)) scene.time.sleep.reset();
   set_materials(scene);
   set_fixed(scene);
   for (Tool& tool : scene.tools)

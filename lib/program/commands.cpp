@@ -261,11 +261,11 @@ int run(const SceneOptions& options) { return produce(options, "simulating", run
 
 int replay(const SceneOptions& options) {
   const Recording recording = read_recording(options.record);
-  Loaded loaded = load(options);
+  const Loaded loaded = load(options);
+  const Setup setup = as_recorded(recording, loaded.resolved.setup);
   const auto play = [&](auto world) { return replay(recording, world); };
-  const ReplayResult replayed = loaded.scene.in_double()
-                                    ? play(World<double>(loaded.resolved.setup, options.threads))
-                                    : play(World<float>(loaded.resolved.setup, options.threads));
+  const ReplayResult replayed = loaded.scene.in_double() ? play(World<double>(setup, options.threads))
+                                                         : play(World<float>(setup, options.threads));
   if (!replayed.same) {
     print_errors(options.record.string() + ": command " + std::to_string(replayed.commands) + " of " +
                  std::to_string(recording.commands.size()) + ", up to " + rounded(replayed.time) +

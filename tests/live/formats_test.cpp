@@ -109,7 +109,7 @@ TEST_CASE("a file of another layout has another format number") {
   write_checkpoint(file, world.save());
   check<Checkpoint<float>>(file, {30, 3086850637132260803u});
   write_recording(file, {});
-  check<Recording>(file, {16, 12368603667546628904u});
+  check<Recording>(file, {17, 15451707359609336840u});
   write_session(file, SavedSession<float>{world.save(), {}});
-  check<SavedSession<float>>(file, {12, 12366464296032856254u});
+  check<SavedSession<float>>(file, {13, 16552830633729082274u});
 }

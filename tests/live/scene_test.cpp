@@ -7,6 +7,7 @@
 #include "live/hands_support.h"
 #include "lobe/error.h"
 #include "lobe/io/mesh_io.h"
+#include "lobe/run/recording.h"
 #include "lobe/scene/frames.h"
 #include "lobe/scene/read_scene.h"
 #include "lobe/scene/resolve.h"
@@ -307,6 +308,45 @@ TEST_CASE("a scene tells where hands have got to, without what was undone") {
   const Frames frames = frames_of(kept.time);
   for (int i = 0; i < frames.count; ++i) world.advance(frames.length);
   CHECK(same_bits(world, session.world()));
+}
+
+TEST_CASE("a session sleeps; its scene and its recording say by how much displacements may differ") {
+  const Played played;
+  const Setup setup = session_setup(played.scene, played.resolved.setup);
+  CHECK(setup.sleep == near(1e-4 * std::sqrt(0.0072), 1e-9));
+  Session<float> session(setup);
+  step(session, 300);
+  REQUIRE(session.world().body().sleep.count() == setup.mesh.vertex_count());
+  Controller hands = session.connect("surgeon");
+  hands.send(take_at({0.08, 0.01, 0.01}, 0.008));
+  step(session, 2);
+  hands.send(lead_to(session.status()->hands[0].pose.position + Vec3d(0, 0, 0.01)));
+  step(session, 30);
+  CHECK(session.world().body().sleep.count() < setup.mesh.vertex_count());
+  const Scene kept = session_scene(played.scene, setup, session);
+  CHECK(kept.time.sleep == setup.sleep);
+  check_plays_as(kept, session.world());
+
+  const Folder folder;
+  write_recording(folder.path / "drag.lobe", session.recording());
+  const Recording recording = read_recording(folder.path / "drag.lobe");
+  World<float> world(as_recorded(recording, played.resolved.setup), 2), awake(played.resolved.setup);
+  CHECK(replay(recording, world).same);
+  CHECK(same_bits(world, session.world()));
+  CHECK_THROWS_WITH_AS(replay(recording, awake), doctest::Contains("is of another scene"), InputError);
+}
+
+TEST_CASE("a session does not sleep if its scene says so, nor beside what does not go with sleep") {
+  const auto sleep_of = [](const std::string& part, const std::string& instead) {
+    std::string text = beam;
+    const Played played(text.replace(text.find(part), part.size(), instead));
+    return session_setup(played.scene, played.resolved.setup).sleep;
+  };
+  CHECK(sleep_of("\"damping\"", "\"sleep\": false, \"damping\"") == 0);
+  CHECK(sleep_of("\"damping\"", "\"sleep\": 0, \"damping\"") == 0);
+  CHECK(sleep_of("\"damping\"", "\"sleep\": 1e-6, \"damping\"") == 1e-6);
+  CHECK(sleep_of("\"damping\"", "\"integrator\": \"implicit\", \"damping\"") == 0);
+  CHECK(sleep_of("\"density\"", "\"nodal_pressure\": true, \"density\"") == 0);
 }
 
 TEST_CASE("what hands burnt declares no gesture") {

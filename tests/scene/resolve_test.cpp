@@ -488,6 +488,20 @@ TEST_CASE("nodal pressure silences the warning of locking where it acts, and onl
         "nodal_pressure does not reach 2 tetrahedra in linear or corotational regions");
 }
 
+TEST_CASE("a scene says that nothing sleeps, or leaves it to sessions") {
+  CHECK_FALSE(parse_scene(R"({"mesh": "a.vtu", "materials": [{"tissue": "liver"}]})").time.sleep);
+  const auto said = [](const std::string& sleep) {
+    return parse_scene(R"({"mesh": "a.vtu", "materials": [{"tissue": "liver"}], "time": {"sleep": )" + sleep +
+                       "}}");
+  };
+  CHECK(said("false").time.sleep == 0);
+  CHECK(said("0").time.sleep == 0);
+  CHECK(said("1e-5").time.sleep == 1e-5);
+  CHECK(parse_scene(to_json(said("false"))).time.sleep == 0);
+  CHECK_THROWS_WITH_AS(said("true"), doctest::Contains("/time/sleep: true does not say by how much"),
+                       InputError);
+}
+
 TEST_CASE("sleep is refused beside nodal pressure and implicit steps") {
   CHECK(faults(R"({"time": {"sleep": 1e-5, "integrator": "implicit", "precision": "double"}})") ==
         "/time/sleep: \"sleep\" does not go with \"integrator\": \"implicit\": an implicit step solves for "

@@ -56,6 +56,16 @@ TEST_CASE("a scene that nobody painted on comes to the same setup") {
   CHECK(setup.prescribed.size() == painted.resolved.setup.prescribed.size());
 }
 
+TEST_CASE("what sleeps may be painted as a lattice, which does not sleep") {
+  Painted painted;
+  painted.scene.time.sleep = 1e-5;
+  Painting painting(painted.scene, painted.resolved);
+  painting.paint_all(RegionModel::tensor_mass);
+  CHECK(resolve_again(painting).setup.sleep == 1e-5);
+  painting.paint_all(RegionModel::reduced);
+  CHECK_FALSE(painting.scene("box.vtu").time.sleep);
+}
+
 TEST_CASE("what was painted is what the scene comes to, and materials by label stay where they were") {
   const Painted painted;
   Painting painting(painted.scene, painted.resolved);

@@ -193,8 +193,9 @@ TEST_CASE("a recording is written whichever signal ends the program, with its ou
     CHECK(program.end(signal) == 0);
     CHECK(program.said().find("lobe replay " + disk.scene + " " + disk.file("a.lobe")) != std::string::npos);
     const Scene scene = read_scene(disk.scene);
-    World<float> world(resolve(scene, read_mesh(mesh_path(scene)).mesh).setup);
-    const ReplayResult result = replay(read_recording(disk.file("a.lobe")), world);
+    const Recording recording = read_recording(disk.file("a.lobe"));
+    World<float> world(as_recorded(recording, resolve(scene, read_mesh(mesh_path(scene)).mesh).setup));
+    const ReplayResult result = replay(recording, world);
     CHECK(result.same);
     CHECK(result.time > 0.1);
   }

@@ -16,8 +16,8 @@ namespace {
 ReplayResult replayed(const Recordings::Written& files) {
   const Scene scene = read_scene(files.scene);
   const Setup setup = resolve(scene, read_mesh(mesh_path(scene)).mesh).setup;
-  World<float> world(setup, 2);
   const Recording recording = read_recording(files.recording);
+  World<float> world(as_recorded(recording, setup), 2);
   const ReplayResult result = replay(recording, world);
   CHECK(result.commands == recording.commands.size());
   return result;

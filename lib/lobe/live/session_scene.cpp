@@ -7,6 +7,7 @@
 #include "lobe/scene/listed_regions.h"
 #include "lobe/scene/read_scene.h"
 #include "lobe/scene/tool_kinds.h"
+#include "lobe/setup/exclusions.h"
 #include "lobe/text.h"
 
 namespace lobe {
@@ -53,6 +54,14 @@ int frames_of(const Session<Real>& session) {
 
 }  // namespace
 
+Setup session_setup(const Scene& scene, Setup setup) {
+  if (!scene.time.sleep && goes_with(Option::sleep, options_of(setup))) {
+    const Box box = bounding_box(setup.mesh);
+    setup.sleep = session_sleep * (box.max - box.min).norm();
+  }
+  return setup;
+}
+
 template <class Real>
 Scene session_scene(const Scene& scene, const Setup& setup, const Session<Real>& session) {
   if (session.world().journal().setup != fingerprint(setup))
@@ -65,6 +74,7 @@ Scene session_scene(const Scene& scene, const Setup& setup, const Session<Real>&
   kept.time.frame = session.frame();
   kept.time.duration = frames * session.frame();
   std::erase_if(kept.output.pictures, [&](double time) { return time > kept.time.duration; });
+  if (setup.sleep > 0) kept.time.sleep = setup.sleep;
   state_regions(setup, kept);  // another measurement might choose other ones
   append_tools(session.world().tools().live_paths(), setup.mesh.vertex_count(), kept.tools);
   return kept;

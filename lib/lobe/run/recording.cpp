@@ -16,7 +16,7 @@
 namespace lobe {
 namespace {
 
-constexpr io::Format format{"loberec ", 16, "recording of a world"};
+constexpr io::Format format{"loberec ", 17, "recording of a world"};
 
 // Whether a command only says what tools do in the next frame. Such a command does not change the state.
 bool is_about_tools(const Command& command) {
@@ -116,6 +116,7 @@ std::uint64_t digest(World<Real>& world) {
 template <class Real>
 CommandRecorder<Real>::CommandRecorder(World<Real>& world, NotedFrames noted) : world_(world), noted_(noted) {
   recording_.setup = world.journal().setup;
+  recording_.sleep = world.body().sleep.tolerance();
   recording_.in_double = std::is_same_v<Real, double>;
 }
 
@@ -165,6 +166,11 @@ void CommandRecorder<Real>::go_on(const Checkpoint<Real>& checkpoint, Recording 
   world_.restore(checkpoint);
   recording_ = std::move(recording);
   frames_ = frames_idle_ = 0;
+}
+
+Setup as_recorded(const Recording& recording, Setup setup) {
+  setup.sleep = recording.sleep;
+  return setup;
 }
 
 template <class Real>

@@ -15,9 +15,11 @@ namespace lobe {
 
 struct Recording {
   std::uint64_t setup = 0;  // fingerprint() of the world's setup
+  double sleep = 0;         // Setup::sleep of the world [m], which a scene may leave to its sessions
   bool in_double = false;
   CommandLog commands;
-  static constexpr auto fields = std::tuple(&Recording::setup, &Recording::in_double, &Recording::commands);
+  static constexpr auto fields =
+      std::tuple(&Recording::setup, &Recording::sleep, &Recording::in_double, &Recording::commands);
 };
 
 // Visits the commands that led to the state of the world at the end, without what was undone by going back
@@ -64,6 +66,8 @@ struct ReplayResult {
   double time = 0;           // time of the world at the end [s]
 };
 
+// The setup of a scene as that of the recorded world: to build the world from that a replay needs.
+Setup as_recorded(const Recording& recording, Setup setup);
 // Plays a recording on a world as it was when the recording began; throws InputError for one of another setup
 // or precision. Stops at the first command after which the state differs. It stores the states to which the
 // recording goes back.

@@ -216,6 +216,17 @@ Tool read_tool(const json& entry, const std::string& pointer) {
   return tool;
 }
 
+void read_sleep(const json& object, Time& time) {
+  if (!object.contains("sleep")) return;
+  const json& sleep = object["sleep"];
+  if (sleep == true)
+    throw InputError(
+        "/time/sleep",
+        "true does not say by how much displacements may differ: give that in m, or leave it out, "
+        "and sessions choose it");
+  time.sleep = sleep.is_boolean() ? 0 : sleep.get<double>();
+}
+
 void read_time(const json& object, Time& time) {
   read(object, "duration", time.duration);
   read(object, "frame", time.frame);
@@ -225,7 +236,7 @@ void read_time(const json& object, Time& time) {
   read(object, "selective_mass", time.selective_mass);
   read(object, "ramp", time.ramp);
   read(object, "load_ramp", time.load_ramp);
-  read(object, "sleep", time.sleep);
+  read_sleep(object, time);
   read(object, "step", time.step);
   read(object, "spectral_radius", time.spectral_radius);
   if (object.value("integrator", "explicit") == "implicit") time.integrator = Integrator::generalised_alpha;

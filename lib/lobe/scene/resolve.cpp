@@ -237,7 +237,7 @@ Resolved resolve(const Scene& scene, TetMesh mesh, const ResolveOptions& options
   setup.spectral_radius = scene.time.spectral_radius;
   setup.ramp = scene.time.ramp;
   setup.load_ramp = scene.time.load_ramp;
-  setup.sleep = scene.time.sleep;
+  setup.sleep = scene.time.sleep.value_or(0);
 
   check_bodies(resolution);
   refuse_excluded_options(resolution);

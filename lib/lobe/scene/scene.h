@@ -246,7 +246,9 @@ struct Time {
   int selective_mass = 1;   // degree s of theory (7.8); 1: masses are lumped
   double ramp = 0.1;        // time in which prescribed displacements are reached [s]
   double load_ramp = 0;     // time in which tractions and forces grow to their full size [s]
-  double sleep = 0;         // change of displacements that sleep may cause [m]; 0: none sleeps
+  // Change of displacements that sleep may cause [m]; 0: nothing sleeps; nullopt: parts at rest sleep in
+  // sessions alone (live/session_scene.h).
+  std::optional<double> sleep;
   Precision precision = Precision::single_precision;
   Integrator integrator = Integrator::central_difference;
   double step = 0;               // step of the implicit integrator [s]; 0: one per frame

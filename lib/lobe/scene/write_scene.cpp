@@ -233,19 +233,20 @@ ordered_json entries(const std::vector<Entry>& list) {
 }
 
 ordered_json write(const Time& time) {
-  return {{"duration", time.duration},
-          {"frame", time.frame},
-          {"damping", time.damping},
-          {"safety", time.safety},
-          {"cut_step", time.cut_step},
-          {"selective_mass", time.selective_mass},
-          {"ramp", time.ramp},
-          {"load_ramp", time.load_ramp},
-          {"sleep", time.sleep},
-          {"precision", time.precision == Precision::single_precision ? "single" : "double"},
-          {"integrator", name(time.integrator)},
-          {"step", time.step},
-          {"spectral_radius", time.spectral_radius}};
+  ordered_json entry = {{"duration", time.duration},
+                        {"frame", time.frame},
+                        {"damping", time.damping},
+                        {"safety", time.safety},
+                        {"cut_step", time.cut_step},
+                        {"selective_mass", time.selective_mass},
+                        {"ramp", time.ramp},
+                        {"load_ramp", time.load_ramp},
+                        {"precision", time.precision == Precision::single_precision ? "single" : "double"},
+                        {"integrator", name(time.integrator)},
+                        {"step", time.step},
+                        {"spectral_radius", time.spectral_radius}};
+  if (time.sleep) entry["sleep"] = *time.sleep;
+  return entry;
 }
 
 ordered_json write_contact(const Scene& scene) {

@@ -33,8 +33,10 @@ class Sleep {
   Sleep() = default;
   // `tolerance`: by how much sleep may change displacements [m]; 0: nothing sleeps. `move`: how far a
   // sleeping vertex may be from its equilibrium while its neighbours are held [m].
-  Sleep(double tolerance, double move) : move_(move), slowest_drift_(tolerance / still_time) {}
+  Sleep(double tolerance, double move)
+      : tolerance_(tolerance), move_(move), slowest_drift_(tolerance / still_time) {}
 
+  double tolerance() const { return tolerance_; }
   bool is_on() const { return move_ > 0; }
   bool any() const { return count_ > 0; }
   Index count() const { return count_; }
@@ -90,6 +92,7 @@ class Sleep {
   template <class Real>
   std::vector<std::uint8_t> find_evaluated(Dynamics<Real>& body);
 
+  double tolerance_ = 0;      // [m]
   double move_ = 0;           // [m]
   double slowest_drift_ = 0;  // [m/s]
   State state_;

@@ -2,6 +2,8 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
+
 #include "lobe/fem/elements.h"
 #include "lobe/fem/law.h"
 #include "lobe/fem/law_of.h"
@@ -29,6 +31,21 @@ TEST_CASE("a kernel is compiled for the law of every material that a scene can h
         for (double pressure : {0.0, 10.0})
           CHECK(is_covered(terms_of(MaterialLaw(law), false, volume, guard, pressure)));
     }
+}
+
+TEST_CASE("each law has its kernels once, with all terms that its materials may have") {
+  const auto times = [](const auto& list, const Terms& terms) {
+    return std::count(list.begin(), list.end(), terms);
+  };
+  for (int law = 0; law < law_count; ++law) {
+    CAPTURE(law);
+    for (const bool volume : {false, true})
+      CHECK(times(compiled_terms, {.solid = MaterialLaw(law), .volume = volume}) == 1);
+    CHECK(times(compiled_terms, {.solid = MaterialLaw(law), .volume = true, .pressure = true}) == 1);
+    for (const bool pressure : {false, true})
+      CHECK(times(smoothed_terms, {.solid = MaterialLaw(law), .pressure = pressure}) == 1);
+  }
+  CHECK(times(smoothed_terms, {.solid = MaterialLaw::corotational}) == 1);
 }
 
 TEST_CASE("a law of other terms is not covered") {

@@ -2,6 +2,7 @@
 #include "lobe/region/smoothed_kernels.h"
 
 #include "lobe/fem/law.h"
+#include "lobe/region/compiled_terms.h"
 #include "lobe/region/domain_lanes.h"
 
 namespace lobe::LOBE_KERNELS {
@@ -208,14 +209,14 @@ void add_linear_forces(const SmoothedArrays<Real>& patch, Real* f) {
 template <class Real, std::size_t i = 0>
 void add_forces(const SmoothedArrays<Real>& patch, PaddedVector<Real>* f) {
   if (patch.strain == Strain::small) return add_linear_forces(patch, &f->xyz0[0]);
-  if constexpr (i + 1 < std::size(smoothed_terms))
+  if constexpr (i + 1 < smoothed_terms.size())
     if (!evaluates(smoothed_terms[i], patch.law.terms)) return add_forces<Real, i + 1>(patch, f);
   add_forces_of<Real, smoothed_terms[i]>(patch, &f->xyz0[0]);
 }
 
 template <class Real, std::size_t i = 1>
 void add_stiffness(const SmoothedArrays<Real>& patch, StiffnessPart part, PaddedVector<Real>* K) {
-  if constexpr (i + 1 < std::size(smoothed_terms))
+  if constexpr (i + 1 < smoothed_terms.size())
     if (!evaluates(smoothed_terms[i], patch.law.terms)) return add_stiffness<Real, i + 1>(patch, part, K);
   constexpr Terms terms = smoothed_terms[i];
   if (part == StiffnessPart::diagonal)

@@ -76,21 +76,6 @@ struct SmoothedArrays {  // one patch: all its domains are of one material
   Strain strain;
 };
 
-// The sums of terms for which kernels of finite strain are compiled. The first is that of forces alone. Those
-// of small strain are compiled with and without fibres.
-inline constexpr Terms smoothed_terms[] = {{},
-                                           {.pressure = true},
-                                           {.pressure = true, .fibre = true},
-                                           {.solid = MaterialLaw::neo_hookean},
-                                           {.solid = MaterialLaw::yeoh},
-                                           {.solid = MaterialLaw::mooney_rivlin},
-                                           {.solid = MaterialLaw::holzapfel},
-                                           {.solid = MaterialLaw::neo_hookean, .pressure = true},
-                                           {.solid = MaterialLaw::yeoh, .pressure = true},
-                                           {.solid = MaterialLaw::mooney_rivlin, .pressure = true},
-                                           {.solid = MaterialLaw::holzapfel, .pressure = true},
-                                           {.solid = MaterialLaw::corotational}};
-
 template <class Real>
 struct SmoothedKernels {
   // Adds the forces of the patch's domains to those of its vertices [N], and the forces of the volume term

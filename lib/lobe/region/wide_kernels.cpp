@@ -49,7 +49,7 @@ LOBE_FLATTEN Real add_forces_of(const PatchArrays<Real>& patch, Real* sums) {
 template <class Real, std::size_t i = 0>
 Real add_forces(const PatchArrays<Real>& patch, Guarding guarding, PaddedVector<Real>* f) {
   constexpr Terms terms = compiled_terms[i];
-  if constexpr (i + 1 < std::size(compiled_terms))
+  if constexpr (i + 1 < compiled_terms.size())
     if (!covers(terms, patch.law.terms)) return add_forces<Real, i + 1>(patch, guarding, f);
   Real* sums = &f->xyz0[0];
   if (guarding == Guarding::off) return add_forces_of<Real, terms, Guarding::off>(patch, sums);

@@ -12,4 +12,7 @@ struct InterfaceSize {
 };
 InterfaceSize interface_size(const Elements& elements, RegionModel model = RegionModel::precomputed);
 
+// Throws InputError for an interface of so many components whose dense matrices would not fit into memory.
+void refuse_interface(Index components);
+
 }  // namespace lobe

@@ -2,11 +2,13 @@
 """Every number that a benchmark gave, in README.md and docs/, is the one of the committed tables.
 
 A claim is the text of a page with its numbers computed from benchmarks/results/*.csv. Tables that are made of a CSV
-whole stand between comments `<!-- table: NAME -->` and `<!-- end -->`. No table is older than the code that it measures,
+whole, and the list of laws, which is made of the schema of scenes, stand between comments `<!-- table: NAME -->` and
+`<!-- end -->`. No table is older than the code that it measures,
 but for those that are known to be (ages.py).
 
 claims.py ROOT [--write]: --write puts the tables into the pages again; claims must be mended by hand.
 """
+import json
 import re
 import sys
 from pathlib import Path
@@ -195,7 +197,25 @@ def table_meshing_fuzz():
     return markdown(["damage", "surfaces", "meshed", "refused by name", "gave up by name", "wrong"], body)
 
 
-TABLES = {"old": lambda: ages.list_of_old(ROOT), "reduced": table_reduced, "reduced-setup": table_reduced_setup, "frequencies": table_frequencies,
+def table_laws():
+    """The laws of fem/law_moduli.h, with their constants as the schema of scenes describes them."""
+    schema = json.loads((ROOT / "lib/lobe/scene/scene.schema.json").read_text(encoding="utf-8"))
+    material = schema["definitions"]["material"]["properties"]
+    header = (ROOT / "lib/lobe/fem/law_moduli.h").read_text(encoding="utf-8")
+    body = []
+    for law, keys in re.findall(r'\{"([\w-]+)", \{([^}]*)\}', header.split("law_rows[] =")[1].split(";")[0]):
+        for key in re.findall(r'"(\w+)"', keys):
+            least = [f"{sign} {material[key][limit]}" for limit, sign in
+                     (("minimum", "≥"), ("exclusiveMinimum", ">")) if limit in material[key]]
+            body.append([f'`"{law}"`', f"`{key}`", " ".join(["number", *least]), material[key]["description"]])
+        if law not in material["law"]["enum"]:
+            raise LookupError(f"the schema of scenes has no law {law}")
+    named = ", ".join(f'`"{law}"`' for law in material["law"]["enum"])
+    return (f'{named}. {material["law"]["description"]}\n\n' +
+            markdown(["law", "constant", "type", "meaning"], body))
+
+
+TABLES = {"laws": table_laws, "old": lambda: ages.list_of_old(ROOT), "reduced": table_reduced, "reduced-setup": table_reduced_setup, "frequencies": table_frequencies,
           "accuracy-undeclared": table_accuracy_undeclared,
           "meshing-quality": table_meshing_quality, "meshing-fuzz": table_meshing_fuzz,
           "blade": table_blade, "contact": table_contact, "haptic": table_haptic,
@@ -224,7 +244,7 @@ def main(write):
                 return match[0]
             if table == match[3]:
                 return match[0]
-            faults.append(f"{page.name}: table {match[2]} is not that of the CSV; run tests/docs/claims.py . --write")
+            faults.append(f"{page.name}: table {match[2]} is not that of its source; run tests/docs/claims.py . --write")
             return match[1] + table + match[4]
 
         text = TABLE.sub(made, text)

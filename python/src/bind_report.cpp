@@ -27,9 +27,11 @@ void bind_condition(py::module_& module) {
 }
 
 void bind_event(py::module_& module) {
-  py::class_<Event>(module, "Event", "What tore, broke or burnt in a frame, and where.")
+  py::class_<Event>(module, "Event",
+                    "What tore, broke, burnt, was clipped, bleeds or leaks in a frame, and where.")
       .def_property_readonly(
-          "kind", [](const Event& e) { return name(e.kind); }, "\"torn\", \"broken\" or \"burnt\".")
+          "kind", [](const Event& e) { return name(e.kind); },
+          "\"torn\", \"broken\", \"burnt\", \"clipped\", \"bleeding\" or \"leak\".")
       .def_readonly("time", &Event::time, "The simulated time at which it happened [s].")
       .def_property_readonly(
           "place",
@@ -37,7 +39,8 @@ void bind_event(py::module_& module) {
           "Where it happened, (3,) [m]; None if that is not known.")
       .def_readonly("size", &Event::size,
                     "Of torn: the area that came apart [m²]. Of broken: the tension of the thread [N]. Of "
-                    "burnt: the volume\n[m³]. 0: it has none.")
+                    "burnt: the volume [m³].\nOf clipped: how far apart the legs found the tissue's faces [m]. Of "
+                    "bleeding and leak: the open\narea [m²]. 0: it has none.")
       .def_readonly("text", &Event::text, "One line for people; empty if it only goes on.")
       .def("__repr__", [](const Event& e) {
         return "<lobe.Event: " + std::string(name(e.kind)) + (e.text.empty() ? "" : ": " + e.text) + ">";
@@ -81,7 +84,8 @@ void bind_report(py::module_& module) {
                     "The least ratio of the present volume to that at rest, of non-linear tetrahedra and "
                     "lattice cells.")
       .def_readonly("conditions", &Report::conditions, "A list of Condition: what unusual things happened.")
-      .def_readonly("events", &Report::events, "A list of Event: what tore, broke and burnt, and where.")
+      .def_readonly("events", &Report::events,
+                    "A list of Event: what tore, broke, burnt, was clipped, bleeds or leaks, and where.")
       .def("__repr__", &describe_report);
 }
 

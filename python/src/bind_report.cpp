@@ -37,10 +37,11 @@ void bind_event(py::module_& module) {
           "place",
           [](const Event& e) -> py::object { return e.place ? py::object(copied(*e.place)) : py::none(); },
           "Where it happened, (3,) [m]; None if that is not known.")
-      .def_readonly("size", &Event::size,
-                    "Of torn: the area that came apart [m²]. Of broken: the tension of the thread [N]. Of "
-                    "burnt: the volume [m³].\nOf clipped: how far apart the legs found the tissue's faces [m]. Of "
-                    "bleeding and leak: the open\narea [m²]. 0: it has none.")
+      .def_readonly(
+          "size", &Event::size,
+          "Of torn: the area that came apart [m²]. Of broken: the tension of the thread [N]. Of "
+          "burnt: the volume [m³].\nOf clipped: how far apart the legs found the tissue's faces [m]. Of "
+          "bleeding and leak: the open\narea [m²]. 0: it has none.")
       .def_readonly("text", &Event::text, "One line for people; empty if it only goes on.")
       .def("__repr__", [](const Event& e) {
         return "<lobe.Event: " + std::string(name(e.kind)) + (e.text.empty() ? "" : ": " + e.text) + ">";

@@ -87,6 +87,14 @@ TEST_CASE("the shipped scenes give the bits that are kept, on any number of thre
 
 TEST_CASE("every option gives the bits that are kept, on any number of threads") { check(option_scenes()); }
 
+TEST_CASE("every element and law gives the bits that are kept, on any number of threads") {
+  check(element_scenes());
+}
+
+TEST_CASE("every force term gives the bits that are kept, on any number of threads") { check(term_scenes()); }
+
 TEST_CASE("a run that another world takes over at half time gives the bits of the straight one") {
   check_taken_over(option_scenes());
+  check_taken_over(element_scenes());
+  check_taken_over(term_scenes());
 }

@@ -46,8 +46,10 @@ std::vector<Subject> organs(bool quick);  // the shipped meshes
 
 // Every model and mixture of models: "mixed", "precomputed" and "corotated" (precomputed, in a frame that
 // turns with it) are linear in their low half and non-linear in the other; "selective" has selective masses
-// beside the volume term; "reduced" is so throughout, with cells of the size that lobe chooses.
+// beside the volume term; "reduced" is so throughout, with cells of the size that lobe chooses. Then all of
+// them with edge-smoothed tetrahedra, as "smoothed mixed".
 const std::vector<std::string>& models();
+std::string kind_of(const std::string& model);  // without "smoothed "
 // A guarded body of soft tissue, held at its low end if asked, damped.
 Setup tissue(const TetMesh& mesh, const std::string& model);
 Setup held_tissue(const Subject& subject, const std::string& model);

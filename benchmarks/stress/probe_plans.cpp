@@ -20,7 +20,7 @@ void add_probe_plans(std::vector<Plan>& plans, const Subject& subject, const std
     plan.model = model;
     plan.must = Must::report;
     plan.setup = held_tissue(subject, model);
-    plan.setup.expandable = model == "precomputed";
+    plan.setup.expandable = kind_of(model) == "precomputed";
     plan.setup.probes.push_back({"probe", shape, 0.3, path});
     plan.seconds = 0.5;
   };

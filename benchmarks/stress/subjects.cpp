@@ -7,6 +7,8 @@
 namespace lobe::stress {
 namespace {
 
+const std::string smoothed = "smoothed ";
+
 std::vector<Index> vertices_between(const TetMesh& mesh, double from, double to) {
   const double low = mesh.points.row(0).minCoeff(), length = mesh.points.row(0).maxCoeff() - low;
   std::vector<Index> vertices;
@@ -40,13 +42,25 @@ std::vector<Subject> organs(bool quick) {
 }
 
 const std::vector<std::string>& models() {
-  static const std::vector<std::string> all{"nonlinear",   "volume term", "nodal pressure",
-                                            "tensor-mass", "mixed",       "precomputed",
-                                            "corotated",   "selective",   "reduced"};
+  static const std::vector<std::string> all = [] {
+    std::vector<std::string> names{"nonlinear",   "volume term", "nodal pressure", "tensor-mass", "mixed",
+                                   "precomputed", "corotated",   "selective",      "reduced"};
+    for (std::size_t i = 0, count = names.size(); i < count; ++i) names.push_back(smoothed + names[i]);
+    return names;
+  }();
   return all;
 }
 
+std::string kind_of(const std::string& model) {
+  return model.starts_with(smoothed) ? model.substr(smoothed.size()) : model;
+}
+
 Setup tissue(const TetMesh& mesh, const std::string& model) {
+  if (model.starts_with(smoothed)) {
+    Setup setup = tissue(mesh, kind_of(model));
+    setup.materials[0].element = ElementType::edge_smoothed;
+    return setup;
+  }
   Setup setup;
   setup.mesh = mesh;
   setup.materials = {{4e4, 1e4, 1000, model == "nodal pressure" ? 1.0 : 0.0}};

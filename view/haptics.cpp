@@ -16,7 +16,7 @@ HapticRig::HapticRig(const HapticOptions& options) : options_(options) {
   HapticDevice* device = nullptr;
   if (options.device == "mouse") device = (mouse_ = std::make_unique<MouseDevice>()).get();
   if (options.device == "hand")
-    device = (simulated_ = std::make_unique<SimulatedHand>(SimulatedHand::Body{}, nullptr)).get();
+    device = (simulated_ = std::make_unique<SimulatedHand>(SimulatedHand::Mechanics{}, nullptr)).get();
   if (options.device == "haply")
     device = (haply_ = std::make_unique<HaplyDevice>(options.haply_host, options.haply_port)).get();
   if (!device) throw InputError("--haptic", options.device + ": must be none, mouse, hand or haply");

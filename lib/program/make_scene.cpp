@@ -45,7 +45,7 @@ bool may_hold_tetrahedra(const std::filesystem::path& file) {
   return !may_hold_a_surface(file) || extension == ".vtk" || extension == ".vtu";
 }
 
-struct Body {
+struct ScaledMesh {
   MeshFile file;               // in metres
   std::filesystem::path mesh;  // its file
   double scale = 1;            // from the file's coordinates to metres
@@ -53,8 +53,8 @@ struct Body {
 
 double found_scale(const TetMesh& mesh) { return box_diagonal(mesh) > largest_organ ? 0.001 : 1; }
 
-Body read_body(const MakeSceneOptions& options, std::filesystem::path mesh) {
-  Body body{read_mesh(mesh), std::move(mesh)};
+ScaledMesh read_body(const MakeSceneOptions& options, std::filesystem::path mesh) {
+  ScaledMesh body{read_mesh(mesh), std::move(mesh)};
   body.scale = options.scale > 0 ? options.scale : found_scale(body.file.mesh);
   body.file.mesh.points *= body.scale;
   return body;
@@ -71,7 +71,7 @@ std::filesystem::path made_mesh(const MakeSceneOptions& options) {
 }
 
 // Runs lobe-mesh, which says what it repairs and how good the mesh is.
-Body meshed_body(const MakeSceneOptions& options) {
+ScaledMesh meshed_body(const MakeSceneOptions& options) {
   const std::filesystem::path mesh = made_mesh(options);
   std::vector<std::string> arguments{sibling("lobe-mesh").string()};
   for (const std::filesystem::path& file : options.files) arguments.push_back(file.string());
@@ -85,13 +85,13 @@ Body meshed_body(const MakeSceneOptions& options) {
   if (status == 127)
     throw InputError("lobe-mesh", "not found in the folder of lobe or on the PATH; ./dev build makes it");
   if (status != 0) throw InputError(options.files.front().string(), "was not meshed");
-  Body body{read_mesh(mesh), mesh, 1};
+  ScaledMesh body{read_mesh(mesh), mesh, 1};
   for (std::size_t k = 0; options.files.size() > 1 && k < options.files.size(); ++k)
     body.file.label_names[static_cast<int>(k)] = options.files[k].stem().string();
   return body;
 }
 
-Body find_body(const MakeSceneOptions& options) {
+ScaledMesh find_body(const MakeSceneOptions& options) {
   const std::filesystem::path& file = options.files.front();
   if (options.files.size() > 1 || !may_hold_tetrahedra(file)) return meshed_body(options);
   try {
@@ -122,7 +122,7 @@ Json materials_of(const MeshFile& file, const std::string& tissue) {
 // A number as people write it: four digits.
 double short_number(double value) { return std::stod(rounded(value)); }
 
-Json scene_json(const MakeSceneOptions& options, const Body& body, const HeldParts& held) {
+Json scene_json(const MakeSceneOptions& options, const ScaledMesh& body, const HeldParts& held) {
   const Tissue& tissue = *find_tissue(options.tissue);
   // Twice the bulk modulus, E/(3 (1 − 2ν)), as in the scenes of data/.
   const double penalty = 2 * tissue.young_modulus / (3 * (1 - 2 * tissue_poisson_ratio));
@@ -159,7 +159,7 @@ void check_options(const MakeSceneOptions& options) {
   if (!faults.empty()) throw InputError(std::move(faults));
 }
 
-void print_choices(const MakeSceneOptions& options, const Body& body, const HeldParts& held) {
+void print_choices(const MakeSceneOptions& options, const ScaledMesh& body, const HeldParts& held) {
   const TetMesh& mesh = body.file.mesh;
   const Vec3d size = bounding_box(mesh).max - bounding_box(mesh).min;
   const Tissue& tissue = *find_tissue(options.tissue);
@@ -185,7 +185,7 @@ int make_scene(const MakeSceneOptions& given) {
   MakeSceneOptions options = given;
   if (options.output.empty()) options.output = default_scene(options);
   check_options(options);
-  Body body = find_body(options);
+  ScaledMesh body = find_body(options);
   const HeldParts held = find_held_parts(options, body.file.mesh);
   const std::string text = scene_json(options, body, held).dump(2) + "\n";
   Scene scene = parse_scene(text, options.output);

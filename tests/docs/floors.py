@@ -1,6 +1,6 @@
 """Refuses an include from a chapter of lib/lobe to one on a floor above it, names of kinds of regions in the
-chapters that play time, and revision numbers that are written elsewhere than where an edit is followed:
-floors.py PROJECT
+chapters that play time, revision numbers that are written elsewhere than where an edit is followed, a World that does
+more than play, and mutable members of contact and skin: floors.py PROJECT
 
 The floors are the list `chapters` in lib/lobe/CMakeLists.txt, from the lowest up; folders that it does not have
 hold headers alone and stand where what they include lets them. `base` is lib/lobe itself, without lobe.h.
@@ -72,6 +72,38 @@ def written_revisions(library):
     return found
 
 
+MOST_FUNCTIONS = 45  # of World
+
+
+def functions_of(name, header):
+    """The declarations of functions in a class, without its friends."""
+    text = re.sub(r"//[^\n]*", "", header)
+    depth, own = 0, ""
+    for letter in text[text.index("{", text.index(f"class {name} {{")):]:
+        depth += (letter == "{") - (letter == "}")
+        if depth == 0:
+            break
+        if depth == 1 and letter != "{":
+            own += ";" if letter == "}" else letter
+    statements = [part.strip() for part in re.split(r";|public:|private:", own)]
+    return [part for part in statements if "(" in part and not part.startswith("friend")]
+
+
+def misshapen(library):
+    """Lines on a World that does more than play, and on members of contact and skin that change in const functions."""
+    found = []
+    world = library / "sim" / "world.h"
+    if world.exists():
+        count = len(functions_of("World", world.read_text(encoding="utf-8")))
+        if count > MOST_FUNCTIONS:
+            found.append(f"sim/world.h: World has {count} functions, must have at most {MOST_FUNCTIONS}")
+    for file in sorted(p for chapter in ("contact", "skin") for p in (library / chapter).glob("*.h")):
+        for number, line in enumerate(file.read_text(encoding="utf-8").splitlines(), 1):
+            if re.search(r"\bmutable\b", line.split("//")[0]):
+                found.append(f"{file.relative_to(library)}:{number}: is mutable: keep rest data, state and scratch apart")
+    return found
+
+
 def outdated(project):
     """A line if the page shows another list."""
     page = project / "docs" / "guide" / "develop.md"
@@ -84,5 +116,6 @@ def outdated(project):
 if __name__ == "__main__":
     root = pathlib.Path(sys.argv[1])
     library = root / "lib" / "lobe"
-    faults = upward(library) + named_kinds(library) + written_revisions(library) + outdated(root)
+    faults = (upward(library) + named_kinds(library) + written_revisions(library) + misshapen(library) +
+              outdated(root))
     sys.exit("\n".join(faults) or 0)

@@ -16,7 +16,7 @@ namespace {
 template <class Device>
 std::unique_ptr<Device> aimed_by_pointer() {
   if constexpr (std::is_same_v<Device, SimulatedHand>)
-    return std::make_unique<Device>(SimulatedHand::Body{}, nullptr);
+    return std::make_unique<Device>(SimulatedHand::Mechanics{}, nullptr);
   else
     return std::make_unique<Device>();
 }
@@ -24,8 +24,8 @@ std::unique_ptr<Device> aimed_by_pointer() {
 }  // namespace
 
 TEST_CASE("a simulated hand is a mass on springs: it hangs by its weight, and swings as it must") {
-  const SimulatedHand::Body body{.mass = 0.1, .damping = 0, .grip = 300, .grip_damping = 0};
-  SimulatedHand hand(body, [](double) -> Vec3d { return Vec3d::Zero(); });
+  const SimulatedHand::Mechanics mechanics{.mass = 0.1, .damping = 0, .grip = 300, .grip_damping = 0};
+  SimulatedHand hand(mechanics, [](double) -> Vec3d { return Vec3d::Zero(); });
   DeviceState state;
   hand.write({3, 0, 0}, Vec3d::Zero());
   double highest = 0;

@@ -22,9 +22,9 @@ struct Played {
 
 // A device that nobody holds swings against a wall that holds it, of the coupling's stiffness nearly.
 Played swing(double share_of_bound, double highest_damping) {
-  const SimulatedHand::Body body{.mass = 0.1, .damping = 0.5, .grip = 0, .grip_damping = 0};
+  const SimulatedHand::Mechanics mechanics{.mass = 0.1, .damping = 0.5, .grip = 0, .grip_damping = 0};
   SimulatedHand hand(
-      body, [](double) { return Vec3d(0, 0, 0); }, period);
+      mechanics, [](double) { return Vec3d(0, 0, 0); }, period);
   DeviceLimits limits = hand.limits();
   limits.force = limits.slew = 1e9;
   limits.stiffness = 1e9;

@@ -22,8 +22,8 @@ void MouseDevice::begin_at(const Vec3d& tool) noexcept {
   is_there_ = begins_ = true;
 }
 
-SimulatedHand::SimulatedHand(const Body& body, Path path, double tick)
-    : body_(body), path_(std::move(path)), tick_(tick) {}
+SimulatedHand::SimulatedHand(const Mechanics& mechanics, Path path, double tick)
+    : mechanics_(mechanics), path_(std::move(path)), tick_(tick) {}
 
 bool SimulatedHand::read(DeviceState& state) noexcept {
   constexpr int parts = 20;
@@ -52,13 +52,15 @@ void SimulatedHand::move(double dt) {
   time_ += dt;
   if (path_) goal_ = path_(time_);
   const Vec3d path_velocity = path_ ? Vec3d((goal_ - before) / dt) : Vec3d::Zero();
-  const Vec3d grip = body_.grip * (goal_ - position_) + body_.grip_damping * (path_velocity - velocity_);
-  velocity_ += dt / body_.mass * (force_ + grip - body_.damping * velocity_);
+  const Vec3d grip =
+      mechanics_.grip * (goal_ - position_) + mechanics_.grip_damping * (path_velocity - velocity_);
+  velocity_ += dt / mechanics_.mass * (force_ + grip - mechanics_.damping * velocity_);
   position_ += dt * velocity_;
 }
 
 double SimulatedHand::energy() const {
-  return 0.5 * body_.mass * velocity_.squaredNorm() + 0.5 * body_.grip * (goal_ - position_).squaredNorm();
+  return 0.5 * mechanics_.mass * velocity_.squaredNorm() +
+         0.5 * mechanics_.grip * (goal_ - position_).squaredNorm();
 }
 
 const HapticState& ExternalDevice::force(const DeviceState* device) {

@@ -55,7 +55,7 @@ class MouseDevice final : public HapticDevice {
 // is one tick.
 class SimulatedHand final : public HapticDevice {
  public:
-  struct Body {
+  struct Mechanics {
     double mass = 0.1;        // mass of device and fingers [kg]
     double damping = 0.5;     // damping of the device [N s/m]
     double grip = 300;        // stiffness of the hand [N/m]; 0: it lets go
@@ -64,12 +64,14 @@ class SimulatedHand final : public HapticDevice {
   using Path = std::function<Vec3d(double time)>;  // [s] → [m]
 
   // Follows a path of its own, or, without one, aim().
-  SimulatedHand(const Body& body, Path path, double tick = 1e-3);
+  SimulatedHand(const Mechanics& mechanics, Path path, double tick = 1e-3);
   void aim(const std::optional<Vec3d>& target) { target_.aim(target); }  // as a MouseDevice
   void unplug(bool unplugged) { is_plugged_ = !unplugged; }
 
   std::string name() const override { return "hand"; }
-  DeviceLimits limits() const override { return {.force = 20, .stiffness = 1000, .damping = body_.damping}; }
+  DeviceLimits limits() const override {
+    return {.force = 20, .stiffness = 1000, .damping = mechanics_.damping};
+  }
   bool read(DeviceState& state) noexcept override;
   void begin_at(const Vec3d& tool) noexcept override;
   void write(const Vec3d& force, const Vec3d&) noexcept override { force_ = force; }
@@ -79,7 +81,7 @@ class SimulatedHand final : public HapticDevice {
  private:
   void move(double dt);
 
-  const Body body_;
+  const Mechanics mechanics_;
   const Path path_;
   const double tick_;
   PointerTarget target_;

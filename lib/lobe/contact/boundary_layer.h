@@ -11,7 +11,7 @@ namespace lobe {
 
 class BoundaryLayer {
  public:
-  struct Tet {  // with a corner on the boundary
+  struct Tet {  // a tetrahedron with a corner on the boundary
     Index tet = -1;
     Eigen::Vector4i corners;
     Mat34<double> rest;             // [m]
@@ -19,7 +19,7 @@ class BoundaryLayer {
     int first_lip = 0, lips = 0;    // its cut faces, if it is filled in part
   };
   struct Nearest {
-    int face = -1;    // of the surface; −1: none
+    int face = -1;    // triangle of the surface; −1: none
     double room = 0;  // `face` is the nearest for all rest points within this distance of the given one [m]
   };
 
@@ -28,9 +28,9 @@ class BoundaryLayer {
   const std::vector<Tet>& tets() const { return tets_; }
   // The place in tets() of a tetrahedron with a corner on the boundary.
   int number_of(Index tet) const;
-  // Of a tetrahedron: the triangles of the surface that may be nearest to a point in it.
+  // The triangles of the surface that may be nearest to a point in a tetrahedron.
   std::span<const int> faces_of(const Tet& tet) const { return part(faces_, tet.first_face, tet.faces); }
-  // Of a triangle: the places in tets() of what it never touches.
+  // The places in tets() of what a triangle never touches.
   std::span<const int> own_of(int triangle) const {
     const int first = first_own_[std::size_t(triangle)];
     return part(own_, first, first_own_[std::size_t(triangle) + 1] - first);
@@ -38,12 +38,12 @@ class BoundaryLayer {
 
   // `rest`: a point of a tetrahedron where it was at rest [m].
   bool is_filled(const Tet& tet, const Vec3d& rest) const;
-  // Of the triangles that it lies behind.
+  // The nearest of the triangles that the point lies behind.
   Nearest nearest_face(const Tet& tet, const Vec3d& rest) const;
   bool is_behind(int face, const Vec3d& rest) const;
 
  private:
-  struct Plane {  // of a triangle
+  struct Plane {  // the plane of a triangle
     Vec3d normal, corner;
     double height(const Vec3d& rest) const { return normal.dot(rest - corner); }
   };
@@ -67,8 +67,8 @@ class BoundaryLayer {
   bool is_on_its_side(const ContactSurface& surface, int triangle, const Tet& tet) const;
 
   std::vector<Tet> tets_;
-  std::vector<int> faces_, lips_;  // of them
-  // Per triangle of the surface.
+  std::vector<int> faces_, lips_;  // the faces and lips themselves
+  // One entry per triangle of the surface.
   std::vector<Plane> planes_;
   std::vector<Mat3<double>> rest_;  // corners [m]
   std::vector<Ball> balls_;

@@ -42,7 +42,7 @@ struct ContactLaw {
     const T damped = elastic + T(damping * stiffness) * approach;
     return pick(is_less(T(0), damped), damped, T(0));
   }
-  double energy(double depth, double held, double stiffness) const {  // per area [J/m²]
+  double energy(double depth, double held, double stiffness) const {  // energy per area [J/m²]
     const double linear = bounded(depth + held);
     return stiffness * linear * (depth + held - linear / 2);
   }

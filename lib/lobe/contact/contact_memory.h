@@ -11,12 +11,12 @@ namespace lobe {
 struct Anchor {
   Index tet = -1;
   std::uint32_t code = 0;    // FaceOwner of the triangle
-  int divisions = 1;         // of its edges: it has divisions² points
-  int number = 0;            // of the point
-  Vec3d at = Vec3d::Zero();  // of friction [m]
+  int divisions = 1;         // parts of each of its edges: it has divisions² points
+  int number = 0;            // number of the point
+  Vec3d at = Vec3d::Zero();  // place of the anchor of friction [m]
   Index face_tet = -1;       // FaceOwner of the face that it has come through, where a body touches itself
   std::uint32_t face_code = 0;
-  Index in = -1;  // and the tetrahedron behind that
+  Index in = -1;  // the tetrahedron behind that triangle
 
   bool is_valid() const { return at.allFinite(); }
   static constexpr auto fields = std::tuple(&Anchor::tet, &Anchor::code, &Anchor::divisions, &Anchor::number,
@@ -24,7 +24,7 @@ struct Anchor {
 };
 
 struct Remembered {
-  std::vector<Anchor> anchors;  // in the order of the surface's triangles, and of the points of each
+  std::vector<Anchor> anchors;  // anchors by triangle of the surface, and by point of each
   std::vector<HeldDepths::OfTriangle> held;
   static constexpr auto fields = std::tuple(&Remembered::anchors, &Remembered::held);
 };
@@ -85,7 +85,7 @@ class ContactMemory {
   void take_back() { set(kept_); }
 
  private:
-  std::vector<Anchor> anchors_, next_;  // of now, after the step that is under way
+  std::vector<Anchor> anchors_, next_;  // anchors now, and after the step that is under way
   HeldDepths held_;
   Remembered kept_;
 };

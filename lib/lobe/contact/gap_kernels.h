@@ -15,7 +15,7 @@ namespace lobe {
 //   n = a_1 e_2 × e_3 + a_2 e_3 × e_1 + a_3 e_1 × e_2.
 struct alignas(64) PairBlock {
   static constexpr int width = 16;
-  std::array<std::array<std::int32_t, width>, 7> places{};  // of the triangle's corners, the tetrahedron's
+  std::array<std::array<std::int32_t, width>, 7> places{};  // the triangle's corners, the tetrahedron's
   std::array<std::array<float, width>, 3> normal{};         // a
   std::array<float, width> gap{};                           // [m]
 };
@@ -42,6 +42,6 @@ struct GapKernels {
   double (*double_range)(const double* u, const double* from, int vertices);
 };
 
-GapKernels gap_kernels(InstructionSet set);  // of an available set
+GapKernels gap_kernels(InstructionSet set);  // kernels for an available set
 
 }  // namespace lobe

@@ -41,7 +41,7 @@ struct ClosePairs {
       pairs;  // numbers in PairSearch::pairs(); −1: the last of a block, of which there are fewer
   std::vector<OfCandidate> candidates;  // ascending
   std::vector<OfDivisions> kinds;
-  std::vector<PairBlock> blocks;  // of `pairs`, with places in `points`
+  std::vector<PairBlock> blocks;  // blocks of `pairs`, with places in `points`
 
   // The places that these blocks use: those of vertices with their numbers in the mesh, and the others.
   std::vector<int> places, between;
@@ -65,7 +65,7 @@ class GapWatch {
  public:
   GapWatch(const SelfRest& rest, PairSearch& search) : rest_(rest), search_(search) {}
 
-  void rebuild();  // after that of the search
+  void rebuild();  // call it after that of the search
   void forget() { is_measured_ = false; }
   // Looks, measures and searches where that is due.
   void keep(const SelfAt& at, const ContactMemory& memory);
@@ -84,7 +84,7 @@ class GapWatch {
     std::vector<std::uint64_t> is_watched;  // a bit per pair
     std::vector<std::size_t> turned;        // ranks of pairs whose normals turn
     std::vector<PairBlock> turned_blocks;
-    std::vector<int> place_of, used, between;  // of points that are watched
+    std::vector<int> place_of, used, between;  // lists about the points that are watched
     std::vector<int> is_close;                 // per place: the last look at which it was close
   };
 
@@ -110,14 +110,14 @@ class GapWatch {
   bool is_measured_ = false;
   int measurement_ = 0, look_ = 0;   // numbers of the last ones
   double most_room_ = 0;             // the largest room_ [m]
-  double room_ = 0, look_room_ = 0;  // by how much pairs may come nearer until the next one, and a look [m]
+  double room_ = 0, look_room_ = 0;  // how much nearer pairs may come until the next one, and a look [m]
   double next_look_room_ = 0;
   bool is_tuned_ = false;            // next_look_room_ was chosen since the last measurement
   double range_ = 0;                 // how much nearer vertices came since the look, when last found [m]
   double moved_ = 0;                 // how far vertices had moved until then [m]
   std::vector<Watched> states_;      // one per pair of the search
   std::vector<int> watched_, held_;  // pairs that may touch before the next measurement; those that are held
-  std::vector<PairBlock> blocks_;    // those of watched_, with places in points_
+  std::vector<PairBlock> blocks_;    // blocks of watched_, with places in points_
   SelfPoints points_;
   ClosePairs close_;
 

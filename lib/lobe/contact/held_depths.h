@@ -41,7 +41,7 @@ class HeldDepths {
   struct OfTriangle {
     Index tet = -1;
     std::uint32_t code = 0;       // FaceOwner
-    Vec3d depth = Vec3d::Zero();  // of its points [m]
+    Vec3d depth = Vec3d::Zero();  // depths of its points [m]
     bool is_valid() const { return depth.allFinite() && depth.minCoeff() >= 0; }
     static constexpr auto fields = std::tuple(&OfTriangle::tet, &OfTriangle::code, &OfTriangle::depth);
   };
@@ -57,11 +57,11 @@ class HeldDepths {
   };
   std::vector<OfTriangle> kept_, next_;
   double most_ = 0, next_most_ = 0;
-  std::uint64_t revision_ = 0;  // of the surface whose points these are
+  std::uint64_t revision_ = 0;  // revision of the surface whose points these are
   std::vector<double> now_;     // per point of the surface
   std::vector<Sum> sums_;
-  std::vector<int> triangles_;             // that touch
-  std::vector<int> points_, next_points_;  // where now_, sums_ are not 0
+  std::vector<int> triangles_;             // triangles that touch
+  std::vector<int> points_, next_points_;  // points where now_, sums_ are not 0
 };
 
 }  // namespace lobe

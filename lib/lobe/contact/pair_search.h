@@ -17,32 +17,32 @@ class PairSearch {
  public:
   struct Pair {
     int candidate = 0, layer = 0;
-    Index tet = -1;         // of the layer
+    Index tet = -1;         // tetrahedron of the layer
     int rank = 0;           // place in ranked()
     std::uint8_t face = 0;  // the plane of this face of the tetrahedron parted them best
-    float gap = 0;          // of the points when it was searched, or less [m]
+    float gap = 0;          // gap of the points when it was searched, or less [m]
   };
   struct Candidate {  // a triangle that has pairs, with the points that it has for these
     int triangle = 0;
     FaceOwner owner;
-    int divisions = self_divisions;  // of its edges: it has divisions² points
+    int divisions = self_divisions;  // parts of each of its edges: it has divisions² points
     int first = 0, count = 0;        // place and number of its pairs
     auto key() const { return std::tuple(owner.tet, owner.code, divisions); }
   };
 
   explicit PairSearch(const SelfRest& rest) : rest_(rest) {}
-  void rebuild();  // after that of `rest`
+  void rebuild();  // call it after that of `rest`
 
   // ---- Where the points of the layer are
 
-  void place(const Stations& stations, const Places& now);  // at the last measurement
+  void place(const Stations& stations, const Places& now);  // puts them where the last measurement has them
   void place_at_rest();
   const SelfPoints& points() const { return points_; }
 
   // ---- Search
 
   bool is_searched() const { return is_searched_; }
-  int number() const { return number_; }  // of the last search, of any surface
+  int number() const { return number_; }  // number of the last search, of any surface
   // Pairs of which a point is held are found however far apart they are.
   void search(const ContactSurface& surface, const ContactMemory& memory);
   // Others that were farther apart than this are not known [m].
@@ -61,28 +61,28 @@ class PairSearch {
   std::vector<PairBlock>& blocks() { return blocks_; }        // in that order
   // How many of the ranked pairs may be within a gap now: by the motion of parts, the others are not.
   std::size_t count_within(double gap) const;
-  double rounding() const { return parts_.rounding(); }  // of gaps [m]
+  double rounding() const { return parts_.rounding(); }  // rounding error of gaps [m]
 
  private:
-  struct Link {  // of two parts that were near each other when they were searched
+  struct Link {  // two parts that were near each other when they were searched
     PartMotion::Meeting meeting;
     PartMotion::Bound bound;
   };
-  struct Planes {  // of a tetrahedron's faces, n·x − offset > 0 outside, and its corners x
+  struct Planes {  // planes of a tetrahedron's faces, n·x − offset > 0 outside, and its corners x
     Eigen::Array4f n[3], offset, x[3];
   };
-  struct Boxes {  // of four layers
+  struct Boxes {  // boxes of four layers
     Eigen::Array4f low[3], high[3];
   };
   struct Found {
     int triangle, layer;
-    float gap;  // or less [m]
+    float gap;  // gap of the pair, or less [m]
     int face;
     int divisions;
     bool is_held = false;
     auto place() const { return std::pair(divisions, layer); }  // among those of its triangle
   };
-  struct Scratch {  // of a search
+  struct Scratch {  // memory of a search
     std::vector<float> squares;
     std::vector<Planes> planes;  // per layer
     std::vector<Boxes> boxes;    // per four

@@ -30,7 +30,7 @@ class PartMotion {
     double now(double then) const { return share * then - approach; }
   };
 
-  void set_parts(const std::vector<std::vector<int>>& points);  // of each part: numbers of x below
+  void set_parts(const std::vector<std::vector<int>>& points);  // points of each part: numbers of x below
   int count() const { return static_cast<int>(parts_.size()); }
   // x: places of points about one of the body, so that single precision suffices wherever that is; four
   // numbers each, of which the last is not used [m].
@@ -45,7 +45,7 @@ class PartMotion {
     Vec3d of_a = Vec3d::Zero(), of_b = Vec3d::Zero();  // the centre, from those of the parts [m]
     double radius = 0;
   };
-  Meeting meeting(int a, int b, double within) const;  // between remember() and measure()
+  Meeting meeting(int a, int b, double within) const;  // motion between remember() and measure()
   Meeting all_of(int a, int b) const;
   Bound bound(const Meeting& meeting) const;
   Bound bound(int a, int b) const { return bound(all_of(a, b)); }
@@ -64,15 +64,15 @@ class PartMotion {
   struct Part {
     int first = 0, count = 0;      // groups of four points
     Vec3d centre = Vec3d::Zero();  // then
-    double radius = 0;             // of the points about it, at remember() [m]
-    Vec3d place = Vec3d::Zero();   // of the centre now
+    double radius = 0;             // radius of the points about it, at remember() [m]
+    Vec3d place = Vec3d::Zero();   // place of the centre now
     Mat3<double> H = Mat3<double>::Zero();
     double remainder = 0, share = 1;  // ρ [m], σ
   };
   struct Group {
     Eigen::Vector4i points;               // columns; the last perhaps several times
     Eigen::Array<float, 4, 3> then, fit;  // X − C [m]; by which displacements are multiplied for H [1/m]
-    Lanes share;                          // of each in the mean
+    Lanes share;                          // share of each point in the mean
   };
   static void load(const Group& group, const float* x, Eigen::Array<float, 4, 3>& now);
   void fit(Part& part);

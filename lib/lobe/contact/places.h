@@ -25,10 +25,10 @@ class Places {
     return single_.u ? use(*single_.u, *single_.v) : use(*exact_.u, *exact_.v);
   }
 
-  Vec3d of_vertex(Index vertex) const {  // of the mesh [m]
+  Vec3d of_vertex(Index vertex) const {  // place of a vertex of the mesh [m]
     return with([&](const auto& u, const auto&) { return of_vertex_in(u, vertex); });
   }
-  Vec3d of_point(int point) const {  // of the surface [m]
+  Vec3d of_point(int point) const {  // place of a point of the surface [m]
     return with([&](const auto& u, const auto&) {
       return at_point(point, [&](Index vertex) { return of_vertex_in(u, vertex); });
     });
@@ -38,7 +38,7 @@ class Places {
       return at_point(point, [&](Index vertex) { return Vec3d(v.col(vertex).template cast<double>()); });
     });
   }
-  // Of some points of the surface: their places [m] and velocities [m/s].
+  // The places [m] and velocities [m/s] of some points of the surface.
   void of_points(const std::vector<int>& points, PointRows& x, PointRows& v) const;
   // Writes the positions of vertices of the mesh [m] to x[4 to[i]] … x[4 to[i] + 2], and their velocities
   // [m/s] to v in the same way, unless v is null. Every fourth number keeps its value.
@@ -77,12 +77,12 @@ class ContactForces {
     surface_ = &surface;
     if (sum_.cols() < vertices) sum_.setZero(3, vertices);
   }
-  void add_to_point(int point, const Vec3d& force) {  // of the surface [N]
+  void add_to_point(int point, const Vec3d& force) {  // a point of the surface, a force [N]
     const ContactSurface::Point& surface_point = surface_->points()[std::size_t(point)];
     for (int c = 0; c < surface_point.count; ++c)
       add_to_vertex(surface_point.corners[c], surface_point.weights[c] * force);
   }
-  void add_to_vertex(Index vertex, const Vec3d& force) {  // of the mesh [N]
+  void add_to_vertex(Index vertex, const Vec3d& force) {  // a vertex of the mesh, a force [N]
     if (sum_.col(vertex).isZero(0)) vertices_.push_back(vertex);
     sum_.col(vertex) += force;
   }
@@ -98,7 +98,7 @@ class ContactForces {
  private:
   const ContactSurface* surface_ = nullptr;
   Mat3X<double> sum_;
-  std::vector<Index> vertices_;  // with a force, some perhaps twice
+  std::vector<Index> vertices_;  // vertices with a force, some perhaps twice
 };
 
 }  // namespace lobe

@@ -37,7 +37,7 @@ class SelfContact {
   SelfContact() = default;
   SelfContact(const SelfContact&) = delete;
 
-  void rebuild(const ContactSurface& surface, const Model& model) {  // of another surface
+  void rebuild(const ContactSurface& surface, const Model& model) {  // for another surface
     rest_.rebuild(surface, model.elements);
     search_.rebuild();
     watch_.rebuild();
@@ -59,7 +59,7 @@ class SelfContact {
   void visit_stiffness(const SelfAt& at, AtPoint&& at_point, AtVertex&& at_vertex) {
     touch_.visit_stiffness(at, memory_, at_point, at_vertex);
   }
-  // Of whatever is so near that it may touch soon: triangle(number of the surface), tetrahedron(corners).
+  // Visits what is so near that it may touch soon: triangle(number of the surface), tetrahedron(corners).
   template <class Triangle, class Tetrahedron>
   void visit_close(const SelfAt& at, Triangle&& triangle, Tetrahedron&& tetrahedron) {
     near_.visit(at, triangle, tetrahedron);

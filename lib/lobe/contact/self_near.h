@@ -20,7 +20,7 @@ class SelfNear {
   void visit(const SelfAt& at, Triangle&& triangle, Tetrahedron&& tetrahedron);
 
  private:
-  struct Inverse {  // of a tetrahedron where it is now
+  struct Inverse {  // inverse map of a tetrahedron where it is now
     Vec3d origin = Vec3d::Zero();
     Mat3<double> to_weights = Mat3<double>::Zero();
     Eigen::Vector4d heights = Eigen::Vector4d::Zero();  // [m]
@@ -40,7 +40,7 @@ class SelfNear {
   const GapWatch& watch_;
 
   std::vector<std::uint8_t> faces_;  // per pair: the one whose plane parted it last
-  int search_number_ = 0;            // of the search whose pairs these are
+  int search_number_ = 0;            // number of the search whose pairs these are
 
   // Scratch of a visit.
   int visit_ = 0;                  // its number

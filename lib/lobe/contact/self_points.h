@@ -11,7 +11,7 @@
 
 namespace lobe {
 
-inline constexpr int self_divisions = 3;  // of the edges of a triangle, at most
+inline constexpr int self_divisions = 3;  // parts of each edge of a triangle, at most
 inline constexpr int most_self_points = self_divisions * self_divisions;
 
 // Barycentric coordinates of the points of a triangle whose edges are divided so often.

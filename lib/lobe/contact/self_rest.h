@@ -11,10 +11,10 @@ struct SelfRest {
   using Four = Eigen::Vector4i;  // layers of one part that are near each other, −1 where there is none
 
   BoundaryLayer boundary;
-  SelfPoints points;                       // at rest: vertices of the layer, points of the surface
+  SelfPoints points;  // places at rest: vertices of the layer, then points of the surface
   std::vector<Eigen::Vector4i> places_of;  // per layer: places of its corners
   std::vector<int> place_of_point;         // per point of the surface
-  double mean_edge = 0;                    // of the surface [m]
+  double mean_edge = 0;                    // mean edge of the surface [m]
   double near = 0;                         // gap of pairs that are always looked at [m]
   std::vector<std::uint8_t> body_of;       // per layer
 
@@ -47,8 +47,8 @@ struct SelfRest {
 
   bool several_bodies_ = false;
   int bodies_ = 1;
-  std::vector<int> divisions_;       // of triangles of one body for another: bodies_ × bodies_
-  std::vector<double> edge_ratios_;  // the same
+  std::vector<int> divisions_;       // divisions of triangles of one body for another: bodies_ × bodies_
+  std::vector<double> edge_ratios_;  // ratios of mean edges, in the same order
 };
 
 }  // namespace lobe

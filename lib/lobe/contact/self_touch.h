@@ -14,7 +14,7 @@ class SelfTouch {
   SelfTouch(const SelfRest& rest, const PairSearch& search, const GapWatch& watch)
       : rest_(rest), search_(search), watch_(watch) {}
 
-  void rebuild(const ContactSurface& surface);  // after that of `rest`
+  void rebuild(const ContactSurface& surface);  // call it after that of `rest`
   void add_forces(const SelfAt& at, ContactMemory& memory, ContactForces& f);
   double energy(const SelfAt& at, ContactMemory& memory);  // [J]
   // As in self_contact.h.
@@ -27,32 +27,32 @@ class SelfTouch {
     bool is_sound = false;        // it has an area
     Vec3d normal, corner;
     Vec3d to_weights[2];  // barycentric coordinates 1 and 2 of x in its plane: these · (x − corner)
-    Mat3<double> speeds;  // of its corners, where the pass has speeds [m/s]
-    Mat3<double> forces;  // on its corners [N]
+    Mat3<double> speeds;  // speeds of its corners, where the pass has speeds [m/s]
+    Mat3<double> forces;  // forces on its corners [N]
   };
   struct KnownFace {  // the nearest one to a point of a triangle, where that was at rest
     int layer = -1;
     Vec3d rest = Vec3d::Zero();  // place of the point [m]
     BoundaryLayer::Nearest nearest;
   };
-  struct Touch {  // of a point of a triangle
+  struct Touch {  // the touch of a point of a triangle
     const PairSearch::Candidate* candidate = nullptr;
-    const Anchor* anchor = nullptr;  // or none
-    int number = 0;                  // of the point
-    Vec3d weights = Vec3d::Zero();   // of the triangle's corners
+    const Anchor* anchor = nullptr;  // anchor of the point, or null
+    int number = 0;                  // number of the point
+    Vec3d weights = Vec3d::Zero();   // weights of the triangle's corners
     int pair = 0;                    // place in ClosePairs
     int layer = 0;                   // number of the tetrahedron behind the face
     int face = 0;                    // number in the surface
     Face* now = nullptr;
     Vec3d face_weights = Vec3d::Zero();
-    Eigen::Vector4d corner_weights = Eigen::Vector4d::Zero();  // of the tetrahedron
+    Eigen::Vector4d corner_weights = Eigen::Vector4d::Zero();  // weights of the tetrahedron's corners
     double depth = 0, held = 0, stiffness = 0, area = 0;       // [m], [m], [Pa/m], [m²]
-    ContactLaw law;                                            // of the two bodies
+    ContactLaw law;                                            // law of contact of the two bodies
   };
   struct Scratch {
-    int numbering = -1;                          // of the points that the next rows are of
+    int numbering = -1;                          // numbering of the points that the next rows are about
     std::vector<double> places, speeds, forces;  // four numbers per point [m], [m/s], [N]
-    std::vector<InsideBlock> insides;            // of the close pairs
+    std::vector<InsideBlock> insides;            // blocks of the close pairs
     std::vector<Face> faces;                     // per triangle of the surface
     std::vector<int> pressed;                    // triangles with forces on them
   };

@@ -17,7 +17,7 @@ class Stations {
   void set(Station station, const Places& now, double ahead);
   // How much nearer any two vertices may be than there, at most [m].
   double range_since(Station station, const Places& now) const;
-  double range_of_speeds(const Places& now);  // the same per time [m/s]
+  double range_of_speeds(const Places& now);  // how much nearer any two may come per time, at most [m/s]
   // Places of vertices there about another vertex. There are four numbers each, of which the last stays as it
   // is [m].
   void of_vertices(Station station, const Places& now, Index origin, const std::vector<Index>& vertices,

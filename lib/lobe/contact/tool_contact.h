@@ -33,7 +33,7 @@ class ToolContact {
   ToolContact(int tool, const RigidShape& shape, InstructionSet set = chosen_instruction_set())
       : tool_(tool), shape_(shape), distance_(shape), kernels_(touch_kernels(set)) {}
 
-  // What stays where it is: of a number below 0.
+  // An obstacle, which stays where it is, has a number below 0.
   ToolContact(int number, const ObstacleSetup& obstacle);
 
   int tool() const { return tool_; }
@@ -66,8 +66,8 @@ class ToolContact {
     const ContactLaw& law;
     double time = 0;
     double since = 0;       // the last step [s]
-    double body_moved = 0;  // by at most that in all steps [m]
-    const Places& places;   // of the surface
+    double body_moved = 0;  // distance, at most, by which the body has moved in all steps [m]
+    const Places& places;   // places of the surface
   };
   void find_forces(const At& at);
   template <class Visit>  // visit(point of the surface, force [N]) of those that are pressed
@@ -119,14 +119,14 @@ class ToolContact {
     // How far body and tool together will have moved in all steps when it may be in reach [m].
     double clear_until = -std::numeric_limits<double>::infinity();
   };
-  struct Touch {  // at a point of a triangle, in the tool's axes
+  struct Touch {  // the touch at a point of a triangle, in the tool's axes
     const TouchTriangle& triangle;
     Vec3d weights;
     double depth, held;
-    const Anchor* anchor;  // or null
+    const Anchor* anchor;  // anchor of the point, or null
     Vec3d gradient, place;
   };
-  struct Scratch {                         // of a search, or an evaluation of forces, stiffness or energy
+  struct Scratch {  // memory of a search, or of an evaluation of forces, stiffness or energy
     std::vector<int> place_in_search;      // per point of the surface: its place in points_, or −1
     std::vector<int> near;                 // candidates that may touch
     std::vector<int> points;               // their points, as those of the surface
@@ -134,20 +134,20 @@ class ToolContact {
     std::vector<int> evaluation_of;        // per point of points_: the last evaluation that it was near in
     PointRows places, speeds;              // per near point, in the tool's axes [m], [m/s]
     std::vector<TouchTriangle> triangles;  // per candidate; their κ and areas are known since the search
-    std::vector<TouchBlock> blocks;        // of points of triangles
-    std::size_t block_count = 0;           // that are in use
+    std::vector<TouchBlock> blocks;        // blocks of points of triangles
+    std::size_t block_count = 0;           // number of the blocks that are in use
     std::vector<int> pressed;              // near points
     std::vector<std::uint8_t> is_pressed;  // per near point
     Eigen::Matrix<double, 4, Eigen::Dynamic> forces;  // per near point, and a row of zeros [N]
-    int number = 0;                                   // of the evaluation
+    int number = 0;                                   // number of the evaluation
   };
-  double gap_to(const Mat3<double>& triangle, const RigidMotion& now) const;  // or less [m]
+  double gap_to(const Mat3<double>& triangle, const RigidMotion& now) const;  // a gap, or less [m]
   bool find_near(const At& at);
   // After find_near(): where the corners of what is near are and what its points touch.
   void find_touches(const At& at, const RigidMotion& now);
   void find_places(const At& at, const RigidMotion& now);
   void take_triangle(int number, const RigidMotion& now);
-  ContactLaw law(const At& at) const {  // with the tool's friction
+  ContactLaw law(const At& at) const {  // law of contact with the tool's friction
     ContactLaw own = at.law;
     own.friction = friction_;
     return own;
@@ -189,16 +189,16 @@ class ToolContact {
   SignedDistance distance_;
   TouchKernels kernels_;
 
-  // Of the frame.
+  // The tool in the frame.
   double friction_ = 0, appears_ = 0, goes_ = 0;
   std::vector<PathPoint> path_;  // around the frame
 
   // What may touch it, since the last search.
   std::vector<Candidate> candidates_;
-  std::vector<int> points_;             // of the surface, that candidates have
-  double slack_ = -1;                   // by how much body and tool may move together [m]
-  double body_moved_ = 0;               // by the body when they were searched [m]
-  double moved_ = 0;                    // by the tool since, until moved_at_ [m]
+  std::vector<int> points_;             // points of the surface that candidates have
+  double slack_ = -1;                   // how far body and tool may move, both together [m]
+  double body_moved_ = 0;               // way of the body when they were searched [m]
+  double moved_ = 0;                    // way of the tool since, until moved_at_ [m]
   double moved_at_ = 0;                 // [s]
   double ahead_ = 0;                    // bound of the tool's way since the search, until ahead_until_ [m]
   double ahead_until_ = nothing_ahead;  // [s]

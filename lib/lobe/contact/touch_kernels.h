@@ -17,8 +17,8 @@ struct TouchShape {
   RigidShape::Kind kind;
   double radius, length;  // [m]
   Vec3d size;             // [m]
-  double opening;         // of jaws [m]
-  double opens;           // the same per time [m/s]
+  double opening;         // opening of jaws [m]
+  double opens;           // speed at which jaws open [m/s]
 };
 
 // ξ: the tangential part of the way from the anchor, which follows where friction cannot hold it [m].
@@ -37,8 +37,8 @@ Vec3<T> held_slip(const ContactLaw& law, double stiffness, const Vec3<T>& way, c
 // The axes of a tool, and how they move.
 struct TouchAxes {
   std::array<std::array<double, 3>, 3> to_tool{};  // rows of the rotation
-  std::array<double, 3> position{}, velocity{};    // of the tool [m], [m/s]
-  std::array<double, 3> spin{};                    // in its axes [rad/s]
+  std::array<double, 3> position{}, velocity{};    // place and velocity of the tool [m], [m/s]
+  std::array<double, 3> spin{};                    // angular velocity in its axes [rad/s]
 };
 
 // Points, component after component: that of point i at row[d * stride + i]. There is room for a multiple of
@@ -51,11 +51,11 @@ struct TouchRows {
 // A triangle that the tool may touch.
 struct TouchTriangle {
   double stiffness = 0;                 // κ [Pa/m]
-  double area = 0;                      // of each of its points [m²]
+  double area = 0;                      // area of each of its points [m²]
   std::array<int, 3> points{};          // its corners
   std::array<double, 3> start{};        // the first centroid [m], in the tool's axes, as what follows
   std::array<double, 3> along{}, up{};  // 1/n of its first and second edge [m]
-  std::array<double, 3> turn{};         // from a centroid to that of the turned triangle beside it [m]
+  std::array<double, 3> turn{};         // way from a centroid to that of the turned triangle beside it [m]
 };
 
 // What is found at a block of its points.
@@ -69,7 +69,7 @@ struct alignas(64) TouchBlock {
   std::array<Row, 3> place{}, gradient{};  // [m], ∇φ
   Row distance{};                          // φ [m]
   Row held{};                              // h [m]
-  std::array<Row, 3> anchor{};             // of friction, where has_anchor is not 0 [m]
+  std::array<Row, 3> anchor{};             // anchor of friction, where has_anchor is not 0 [m]
   Row has_anchor{};
 };
 
@@ -86,6 +86,6 @@ struct TouchKernels {
                        TouchBlock* blocks, int count, TouchRows speeds, double* f);
 };
 
-TouchKernels touch_kernels(InstructionSet set);  // of an available set
+TouchKernels touch_kernels(InstructionSet set);  // kernels for an available set
 
 }  // namespace lobe

@@ -11,14 +11,14 @@ struct alignas(64) PointBlock {
   static constexpr int width = 8;
   using Row = std::array<double, std::size_t(width)>;
 
-  std::array<Row, 3> weights{};  // of the corners
+  std::array<Row, 3> weights{};  // weights of the corners
   Row along{}, up{};
   Row turned{};            // 1: the centroid of a triangle that is turned, else 0
-  int most_along = 0;      // of the block
+  int most_along = 0;      // largest `along` of its points
   unsigned int lanes = 0;  // bits of those that are points; the others repeat the last one
 };
 
-inline constexpr int most_divisions = 24;  // of an edge
+inline constexpr int most_divisions = 24;  // parts of an edge
 
 // All n² of them, in the order of visit_centroids(). They are made once.
 const std::vector<PointBlock>& point_blocks(int n);

@@ -15,9 +15,9 @@ struct OverlapPoint {
 };
 
 struct Coverage {
-  double outside_fraction = 0;  // of B's volume that lies outside A
-  double largest_gap = 0;       // of a point of B from A [m]
-  double far_fraction = 0;      // of B's volume further from A than the edge length of A there
+  double outside_fraction = 0;  // share of B's volume that lies outside A
+  double largest_gap = 0;       // largest distance of a point of B from A [m]
+  double far_fraction = 0;      // share of B's volume further from A than the edge length of A there
 };
 
 // Visits the four points of the quadrature of degree two on each tetrahedron of B: an integral over B is

@@ -23,7 +23,7 @@ namespace lobe {
 
 struct PronyTerm {
   double shear = 0;  // share of the shear modulus at once that relaxes
-  double bulk = 0;   // the same of the bulk modulus
+  double bulk = 0;   // share of the bulk modulus at once that relaxes
   double time = 0;   // τ [s]
 };
 
@@ -41,14 +41,14 @@ inline const char* prony_fault(std::span<const PronyTerm> series) {
   return "";
 }
 
-// That of shear, or of bulk, at once over the slow one.
+// The modulus of shear, or of bulk, at once over the slow one.
 inline double at_once(std::span<const PronyTerm> series, double PronyTerm::*share) {
   double relaxing = 0;
   for (const PronyTerm& term : series) relaxing += term.*share;
   return 1 / (1 - relaxing);
 }
 
-// G(t) after a sudden strain, G′(ω) and G″(ω) of a vibration; of bulk alike.
+// G(t) after a sudden strain, G′(ω) and G″(ω) of a vibration. The modulus of bulk has the same functions.
 struct ViscousModulus {
   double slow;  // [Pa]
   std::span<const PronyTerm> series;
@@ -98,7 +98,7 @@ Mat3<T> viscous_stress(const Mat3<T>& E, const Mat3<T>& A, const ViscousBranch<T
   return S;
 }
 
-// A of half a step later.
+// A half a step later.
 template <class T>
 Mat3<T> followed_strain(const Mat3<T>& E, const Mat3<T>& A, const ViscousBranch<T>& branch) {
   return E - (E - A) * (branch.half * branch.half);

@@ -30,7 +30,7 @@ concept Converted = requires(const T& x) {
 };
 
 template <class E>
-inline constexpr int enum_size = 0;  // of an enumeration that is read back: how many values it has
+inline constexpr int enum_size = 0;  // number of values of an enumeration that is read back
 
 template <class>
 inline constexpr bool is_vector = false;

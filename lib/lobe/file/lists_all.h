@@ -18,7 +18,7 @@ namespace lobe::io {
 template <class Whole>
 struct Anything {
   template <class T>
-  requires(!std::is_same_v<T, Whole>) operator T() const;  // not defined
+  requires(!std::is_same_v<T, Whole>) operator T() const;  // never defined
 };
 template <class T, class... Value>
 concept MadeFrom = requires {

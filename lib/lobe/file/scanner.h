@@ -28,7 +28,7 @@ class Scanner {
   void expect(std::string_view keyword);           // the next word, in any case
   bool next_is(std::string_view keyword);          // whether the next word begins so
   std::string_view line();                         // the rest of this line, without its end
-  bool skip_past_line(std::string_view whole);     // to after the next line that equals `whole`
+  bool skip_past_line(std::string_view whole);     // goes on after the next line that equals `whole`
   double real(const std::string& what);            // "nan" and "inf" are numbers, too
   std::int64_t integer(const std::string& what);
   std::int64_t integer(const std::string& what, std::int64_t lowest, std::int64_t highest);
@@ -64,7 +64,7 @@ class Scanner {
   std::string file_;
   std::string_view bytes_;
   std::size_t at_ = 0;
-  std::size_t token_ = 0;  // where the last word began: what messages point at
+  std::size_t token_ = 0;  // place where the last word began, at which messages point
   std::size_t first_line_;
   char comment_;
   bool binary_ = false;

@@ -11,9 +11,10 @@ void validate_regions(const Regions<Real>& regions, const Model& model, const Mo
 
 // Where the mass of the tetrahedra moves otherwise than at their corners [kg].
 struct RegionMass {
-  double inside = 0;    // of vertices that follow an interface
-  double added = 0;     // to others: what an interface carries of it, and what the regions have added
-  double in_nodes = 0;  // of a lattice
+  double inside = 0;  // mass of vertices that follow an interface
+  double added =
+      0;  // mass added to others: what an interface carries of `inside`, and what the regions have added
+  double in_nodes = 0;  // mass in the nodes of a lattice
 };
 template <class Real>
 RegionMass mass_of_regions(const Regions<Real>& regions, const Model& model);

@@ -8,7 +8,7 @@
 namespace lobe {
 
 struct Approach {
-  Vec3d normal = Vec3d::UnitZ();  // of the body's surface there, outwards
+  Vec3d normal = Vec3d::UnitZ();  // normal of the body's surface there, outwards
   double gap = 0;                 // how far the tool has to go against it, negative inside [m]
 };
 

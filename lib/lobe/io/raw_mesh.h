@@ -19,11 +19,11 @@ struct RawMesh {
   std::vector<Index> middles;            // vertices in the middle of edges, of which only the ends are taken
   Index ten_node = 0;                    // tetrahedra that have such vertices
   std::vector<std::string> notes;        // what MeshFile says
-  std::map<int, SurfaceGroup> surfaces;  // by number
+  std::map<int, SurfaceGroup> surfaces;  // groups by number
   std::map<int, std::string> label_names;
 };
 
-constexpr std::int64_t max_index = 2147483647;  // of an Index, and of a label
+constexpr std::int64_t max_index = 2147483647;  // largest Index, and largest label
 
 // Adds the corners of a tetrahedron of ten valid vertices, corners first.
 void add_ten_node(const std::vector<Index>& nodes, RawMesh& raw);

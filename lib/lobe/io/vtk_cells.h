@@ -8,7 +8,7 @@ namespace lobe::io {
 
 struct VtkCells {
   std::vector<double> connectivity;  // vertices of all cells, one cell after the other
-  std::vector<double> ends;          // of each cell in `connectivity`
+  std::vector<double> ends;          // end of each cell in `connectivity`
   std::vector<double> types;         // 10 is a tetrahedron, 24 one of ten nodes
 };
 
@@ -26,7 +26,7 @@ Polygons read_vtu_surface(const std::string& name, std::string_view bytes);
 struct CellArray {
   std::string name;
   std::vector<double> values;
-  bool is_whole = false;  // of whole numbers, by its type
+  bool is_whole = false;  // the array is of whole numbers, by its type
 };
 
 // Takes the labels of the tetrahedra from the array that has a known name, else from the only one of whole

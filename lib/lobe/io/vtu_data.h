@@ -11,8 +11,8 @@ namespace lobe::io {
 // bytes are no XML.
 struct VtuContext {
   std::string file;
-  std::string_view xml;       // without the appended data, for line numbers
-  std::string_view appended;  // after its '_'
+  std::string_view xml;       // the file without its appended data, for line numbers
+  std::string_view appended;  // the appended data after its '_'
   bool appended_base64 = false;
   bool swap = false;
   bool wide_headers = false;  // 64-bit

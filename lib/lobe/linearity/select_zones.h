@@ -11,11 +11,11 @@ struct TrialError {
   Eigen::MatrixXd
       contributions;  // mean displacement errors of all zones, for each linear zone [m]: 3 × #zones by #zones
   double norm = 0;    // √∫|u|² of the exact displacement [m^2.5]
-  double scale = 1;   // of the prediction, as measurements have told
+  double scale = 1;   // factor on the prediction, as measurements have told
 
   // Relative to the displacement, in L2.
   double relative(const Zones& zones, const Eigen::VectorXd& error) const;  // 3 × #zones [m]
-  double of(const Zones& zones, const std::vector<char>& linear) const;     // per zone, scale included
+  double of(const Zones& zones, const std::vector<char>& linear) const;     // predicted error, scale included
 };
 
 // Returns one flag per zone. First, zones are added that add least to the error of the worst gesture. Then

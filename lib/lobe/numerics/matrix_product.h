@@ -15,7 +15,7 @@ namespace {  // one for each set: included by dense_kernels.cpp alone
 // rows of A, or eight columns of B, filled up with zeros.
 struct ProductPanels {
   static constexpr int rows = 16, columns = 8;
-  static constexpr Index depth = product_depth, height = product_height;  // of a block of A
+  static constexpr Index depth = product_depth, height = product_height;  // depth and height of a block of A
 
   template <int width, class Real>  // of the first factor by its rows, of the second by its columns
   static void copy(const Real* entries, std::size_t across, std::size_t along, Index count, Index length,

@@ -33,7 +33,7 @@ class DomainLanes {
     }
   }
 
-  Vec3<T> gradient(Index vertex) const {  // of any but the first
+  Vec3<T> gradient(Index vertex) const {  // gradient of any vertex but the first
     Vec3<T> b;
     for (int i = 0; i < 3; ++i) b[i].copy_from(&rows_[vertex - 1].b[i][first_]);
     return b;

@@ -40,7 +40,7 @@ class FrameWriter {
   std::filesystem::path directory_;
   using Series = std::vector<std::pair<double, std::string>>;
   Series frames_;
-  std::map<std::string, Series> lines_;  // by the force term: "threads", "attachments"
+  std::map<std::string, Series> lines_;  // series by force term: "threads", "attachments"
   nlohmann::ordered_json pictures_ = nlohmann::ordered_json::array();
   double next_frame_ = 0;  // [s]
   std::size_t next_picture_ = 0;

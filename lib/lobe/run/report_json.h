@@ -22,7 +22,7 @@ struct Totals {
   Json cuts = Json::array(), conditions = Json::array(), events = Json::array(), series = Json::array(),
        transitions = Json::array();
   Index tets_removed = 0, tets_copied = 0;
-  double cut_area = 0, mass_added = 0;  // by blades [m²], [kg]
+  double cut_area = 0, mass_added = 0;  // area cut and mass added by blades [m²], [kg]
   long long states = 1, patches_evaluated = 0, patches_skipped = 0;
   std::vector<std::string> warnings;
   bool warned_of_inversion = false;

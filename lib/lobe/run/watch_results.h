@@ -36,7 +36,8 @@ class Watched {
   template <class Real>
   void look(World<Real>& world, CommandRecorder<Real>* recorded) {
     if (!watch_) return;
-    if (!series_.empty()) ++frames_[std::to_string(world.body().inertia.degree())];  // of the frame before
+    if (!series_.empty())
+      ++frames_[std::to_string(world.body().inertia.degree())];  // degree of the frame before
     const auto seen = recorded ? watch_->look(world, sink_of(*recorded)) : watch_->look(world);
     if (seen.error > worst_.error) worst_ = seen;
     exceeded_ += seen.exceeded;

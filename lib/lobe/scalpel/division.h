@@ -41,15 +41,15 @@ class Division {
  private:
   struct Changed {  // a grain whose tetrahedron will have another number or other corners
     Index grain, element;
-    Corners corners;  // of its tetrahedron, as they will be
+    Corners corners;  // corners of its tetrahedron, as they will be
     bool has_new_corners = false;
   };
-  struct Part {  // of a tetrahedron that was divided or has new corners
+  struct Part {  // part of a tetrahedron that was divided or has new corners
     Index tet;
-    Index begin, end;  // in grains_of_parts_
+    Index begin, end;  // range in grains_of_parts_
   };
 
-  // Of a grain around a vertex: it has not been found yet, or has.
+  // Marks of a grain around a vertex: it has not been found yet, or has.
   static constexpr Index is_around = 0, is_found = 1;
   Index& mark(Index grain) { return marks_[std::size_t(grain)]; }
   const Changed* find_changed(Index grain) const {
@@ -97,7 +97,7 @@ class Division {
   std::vector<std::uint8_t>& is_whole_;
   std::vector<Index> vertices_;
   struct Side {         // a grain beside a face that opened
-    Index grain, next;  // of the same vertex in sides_; negative: the last
+    Index grain, next;  // a grain, and the next entry of the same vertex in sides_; negative: the last
   };
   std::vector<Side> sides_;
   std::vector<Index>& first_side_;  // per vertex, in sides_; negative: none
@@ -105,12 +105,12 @@ class Division {
   std::vector<Index> star_, front_;  // grains around a vertex; those found there, part by part
   struct Connected {
     Index first;             // the lowest number
-    std::size_t begin, end;  // in front_
+    std::size_t begin, end;  // range in front_
   };
   std::vector<Connected> connected_;     // parts of what is around a vertex
-  std::vector<Part> parts_, new_parts_;  // by their numbers: of old tetrahedra, of new ones
+  std::vector<Part> parts_, new_parts_;  // parts by number: of old tetrahedra, of new ones
   std::vector<Index> grains_of_parts_;
-  struct Group {  // of grains with the same corners
+  struct Group {  // group of grains with the same corners
     Corners corners;
     double share = 0;
   };

@@ -3,6 +3,6 @@
 
 namespace lobe {
 
-inline constexpr double far_move = 3;  // in a frame, in mean edges of the mesh
+inline constexpr double far_move = 3;  // least far move in a frame, in mean edges of the mesh
 
 }  // namespace lobe

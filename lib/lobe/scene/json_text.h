@@ -11,7 +11,7 @@
 namespace lobe {
 
 inline constexpr std::size_t max_json_bytes = std::size_t{64} << 20;
-inline constexpr std::size_t max_json_depth = 64;  // of nested arrays and objects
+inline constexpr std::size_t max_json_depth = 64;  // most arrays and objects in each other
 
 // Throws InputError: a syntax error as "NAME:line:column: …", a key given twice (the parser would silently
 // keep the last), a number beyond double precision, too much nesting, too long a text.

@@ -45,7 +45,7 @@ inline std::string counted(std::size_t count, const char* one, const char* many)
 // Poisson's ratio above which linear tetrahedra lock volumetrically: they respond too stiffly.
 inline constexpr double locks_above = 0.45;
 
-Options options_of(const Scene& scene);  // that it asks for
+Options options_of(const Scene& scene);  // options that it asks for
 void refuse_excluded_options(Resolution& resolution);
 void check_bodies(Resolution& resolution);
 void resolve_carriers(Resolution& resolution);

@@ -30,9 +30,10 @@ struct ToolKind {
 
 // Rows of 4 numbers, time and place, or of 8 with a quaternion.
 bool read_turning_row(const nlohmann::json& row, Tool& tool);
-void write_turns(const Tool& tool, nlohmann::ordered_json& path);  // after time and place
+void write_turns(const Tool& tool, nlohmann::ordered_json& path);  // appends the turns, after time and place
 
 const ToolKind& kind_of(const Tool& tool);
-void append_tools(const ToolSetups& done, Index mesh_vertices, std::vector<Tool>& tools);  // of all kinds
+void append_tools(const ToolSetups& done, Index mesh_vertices,
+                  std::vector<Tool>& tools);  // tools of all kinds
 
 }  // namespace lobe

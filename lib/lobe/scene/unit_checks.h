@@ -7,7 +7,7 @@ namespace lobe {
 
 inline constexpr double standard_gravity = 9.81;  // [m/s²]
 
-double box_diagonal(const TetMesh& mesh);  // of the bounding box [m]
+double box_diagonal(const TetMesh& mesh);  // diagonal of the bounding box [m]
 
 // Says that a body of this size is unlike an organ in metres; empty if it is not.
 std::string doubt_of_size(double diagonal);  // [m]

@@ -10,8 +10,8 @@ struct NewtonPoint {
   Mat3X<double> u;         // 3 × #vertices [m]
   double potential = 0;    // [J]
   Mat3X<double> residual;  // minus its gradient, 3 × #vertices, zero where displacements are given [N]
-  double scale = 0;        // of the forces that the residual is the sum of [N]
-  double smallest_volume_ratio = 1;  // of det F over the non-linear region
+  double scale = 0;        // scale of the forces of which the residual is the sum [N]
+  double smallest_volume_ratio = 1;  // least det F over the non-linear region
   Index smallest_tet = -1;
 };
 

@@ -51,6 +51,6 @@ std::vector<Level> levels_of_parts(Index parts, VerticesOf&& vertices_of,  // (p
 
 // Evaluations of parts, as a share of those that one step for all takes: the mean of 2^−level.
 double evaluated_share(std::span<const Level> levels,
-                       std::span<const double> costs);  // of each part; empty: all cost the same
+                       std::span<const double> costs);  // cost of each part; empty: all cost the same
 
 }  // namespace lobe

@@ -150,6 +150,20 @@ check(
   /^20 mm\s+of \d+ mm$/.test(depthBefore.trim()) && /^40 mm/.test(depthAfter.trim()),
   `over the organ it says "${depthBefore.trim()}", with eight presses of ] "${depthAfter.trim()}"`,
 );
+const ghost = await page.evaluate(([x, y]) => {
+  const {body} = lobe.hands.ghost,
+    {point} = lobe.organ.hit(lobe.stage.ray(x, y));
+  return {isSeen: body.visible, depth: body.position.clone().sub(point).dot(lobe.stage.forward())};
+}, [place.x, place.y]);
+check(
+  ghost.isSeen && Math.abs(ghost.depth - 0.04) < 2e-3,
+  `and its ghost is there, ${(1e3 * ghost.depth).toFixed(1)} mm below the surface`,
+);
+await page.mouse.move(left - 60, top - 40);
+check(
+  !(await page.evaluate(() => lobe.hands.ghost.body.visible)),
+  'beside the organ there is none',
+);
 await page.locator('#tool-size input').fill('16');
 await page.mouse.move(place.x + 30, place.y);
 check(

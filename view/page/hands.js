@@ -1,6 +1,6 @@
 // What mouse, pen or finger do on the canvas: left on the organ acts, anything else moves the camera.
 import * as THREE from './third_party/three-0.187.0/three.module.js';
-import {Blade} from './scalpel.js';
+import {Blade, BladeGhost} from './scalpel.js';
 
 // Of jaws, in openings: width, thickness and length of each, how far they reach behind the point that was
 // clicked, from how far they come, and from how near to where they are led they close.
@@ -45,13 +45,14 @@ export class Hands {
     canvas.addEventListener('pointerleave', () => this.showNothing());
     this.ring = makeRing();
     stage.scene.add(this.ring);
+    this.ghost = new BladeGhost(stage);
   }
 
   setKind(kind) {
     this.letGo();
     this.kind = kind;
     this.sizes.setKind(kind);
-    this.gauge.hide();
+    this.hideBlade();
     this.ring.visible = false;
     this.stage.canvas.classList.toggle('cautery', ['cautery', 'scalpel', 'measure'].includes(kind));
     this.stage.canvas.classList.toggle('paint', kind === 'paint');
@@ -119,6 +120,7 @@ export class Hands {
   }
 
   bringBlade(active, hit) {
+    this.ghost.hide();
     const blade = new Blade(this.stage, this.organ, hit, this.sizes.of('scalpel'));
     Object.assign(active, {blade, point: blade.tip});
     this.showBlade(active);
@@ -331,7 +333,7 @@ export class Hands {
     this.held.clear();
     this.actives.clear();
     this.camera.clear();
-    this.gauge.hide();
+    this.hideBlade();
     this.showHolding();
   }
 
@@ -341,21 +343,28 @@ export class Hands {
     this.showRing(hit?.point, hit);
     this.onHover(hit, event.offsetX, event.offsetY);
     if (this.kind !== 'scalpel') return;
-    const forward = this.stage.forward();
-    if (!hit) return this.gauge.hide();
+    if (!hit) return this.hideBlade();
+    const depth = this.sizes.of('scalpel');
     this.gauge.show(
       event.offsetX,
       event.offsetY,
-      this.sizes.of('scalpel'),
-      this.organ.thickness(hit.point, forward),
+      depth,
+      this.organ.thickness(hit.point, this.stage.forward()),
     );
+    this.ghost.show(hit.point, depth);
+  }
+
+  /** That which has not begun to cut. */
+  hideBlade() {
+    this.gauge.hide();
+    this.ghost.hide();
   }
 
   showNothing() {
     if (this.actives.size > 0) return;
     this.showRing(null, null);
     this.onHover(null);
-    this.gauge.hide();
+    this.hideBlade();
   }
 
   showRing(point, hit) {

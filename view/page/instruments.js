@@ -236,6 +236,19 @@ function scalpel(length, surgeon) {
   return group;
 }
 
+/** A scalpel with a blade of length 1, seen through everything. In the axes of a camera it points away. */
+export function ghostOfScalpel() {
+  const group = scalpel(1, new THREE.Vector3(0.55, 1.1, 0.7).normalize());
+  group.traverse(part => {
+    if (!part.isMesh) return;
+    part.material = seenThrough;
+    part.castShadow = false;
+    part.renderOrder = 9;
+  });
+  group.visible = false;
+  return group;
+}
+
 // A rounded tip on a shaft; a capsule's axis leads from the tip along z.
 function probe(radius, length) {
   const group = new THREE.Group(),

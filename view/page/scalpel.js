@@ -2,6 +2,7 @@
 // depth below the surface under the pointer. Its heel is outside wherever the tip is, so that the cut is open
 // to the viewer.
 import * as THREE from './third_party/three-0.187.0/three.module.js';
+import {ghostOfScalpel} from './instruments.js';
 
 const least = 0.1, // depth, of the one it began with
   outside = 0.15, // by what the heel is outside, of the organ's radius
@@ -10,6 +11,31 @@ const least = 0.1, // depth, of the one it began with
   step = 0.023,
   slope = 1.5,
   longest = 0.99; // that the simulation takes [m]
+
+/** Where the blade would be if it began to cut under the pointer. */
+export class BladeGhost {
+  constructor(stage) {
+    this.stage = stage;
+    this.body = ghostOfScalpel();
+    stage.scene.add(this.body);
+  }
+
+  /** @param {THREE.Vector3} point of the surface @param {number} depth below it [m] */
+  show(point, depth) {
+    const {stage, body} = this;
+    body.visible = true;
+    body.position.copy(point).addScaledVector(stage.forward(), depth);
+    body.quaternion.copy(stage.camera.quaternion);
+    body.scale.setScalar(depth + outside * stage.size);
+    stage.invalidate();
+  }
+
+  hide() {
+    if (!this.body.visible) return;
+    this.body.visible = false;
+    this.stage.invalidate();
+  }
+}
 
 export class Blade {
   /** @param {{point: THREE.Vector3}} hit where it enters the organ @param {number} depth [m] */

@@ -79,7 +79,9 @@
 //   tool: a grasp, a cautery, a scalpel, a probe or a clip applier, on a path or moved by hand.
 //   grasp: a tool that takes hold of vertices and moves them.
 //   cautery: a tool that burns away the tetrahedra it touches.
+//   hook: a straight wire at the tip of a cautery, which burns all along.
 //   scalpel: a tool that divides tetrahedra with an edge.
+//   lips: the two sides of a cut or slit, where they lie on each other.
 //   probe: a rigid tool that presses on tissue and rubs along it, or a pair of jaws.
 //   obstacle: a rigid body that does not move, such as a table.
 //   held depth: what a contact's law adds to its depth; it grows while the contact is deep, until the

@@ -90,35 +90,6 @@ std::vector<Case> users_cases(const Options& options) {
   return cases;
 }
 
-// ---- Selectors
-
-SelectVertices prolongated_vertices(std::vector<Index> vertices, const TetMesh& old,
-                                    const RefinedMesh& refined) {
-  std::vector<char> chosen(std::size_t(old.vertex_count()), 0);
-  for (Index v : vertices) chosen[std::size_t(v)] = 1;
-  for (std::size_t i = 0; i < refined.ends.size(); ++i)
-    if (chosen[std::size_t(refined.ends[i][0])] && chosen[std::size_t(refined.ends[i][1])])
-      vertices.push_back(old.vertex_count() + Index(i));
-  return {std::move(vertices)};
-}
-
-void prolongate(Selector& selector, bool of_tets, const TetMesh& old, const RefinedMesh& refined) {
-  if (auto* parts = parts_of(selector)) {
-    for (Selector& part : *parts) prolongate(part, of_tets, old, refined);
-    return;
-  }
-  if (!by_number(selector)) return;
-  const bool tets = of_tets || std::holds_alternative<SelectTetrahedra>(selector.value);
-  if (!tets) {
-    selector.value = prolongated_vertices(select_vertices(selector, old), old, refined);
-    return;
-  }
-  SelectTetrahedra children;
-  for (Index t : select_tets(selector, old))
-    for (Index child = 0; child < 8; ++child) children.tetrahedra.push_back(8 * t + child);
-  selector.value = std::move(children);
-}
-
 }  // namespace
 
 std::vector<Case> make_cases(const Options& options) {
@@ -141,12 +112,6 @@ std::vector<Case> make_organs(const Options& options) {
   Case organ = liver(options.quick);
   for (const fs::path& mesh : options.meshes) organ.meshes.push_back(read_mesh(mesh).mesh);
   return {organ};
-}
-
-Scene prolongated(Scene scene, const TetMesh& old, const RefinedMesh& refined) {
-  for_each_selector(scene,
-                    [&](Selector& selector, bool of_tets) { prolongate(selector, of_tets, old, refined); });
-  return scene;
 }
 
 }  // namespace lobe::bench

@@ -24,8 +24,4 @@ std::vector<Case> make_cases(const Options& options);
 // The shipped liver alone, or the user's scenes; also on the meshes of the options.
 std::vector<Case> make_organs(const Options& options);
 
-// The scene for the refined mesh: selections by number take what lies between the vertices, or within the
-// tetrahedra, that they select on the old one. All others are geometric, and stay.
-Scene prolongated(Scene scene, const TetMesh& old, const RefinedMesh& refined);
-
 }  // namespace lobe::bench

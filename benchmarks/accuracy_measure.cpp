@@ -8,6 +8,7 @@
 #include "benchmarks/accuracy.h"
 #include "benchmarks/accuracy_error.h"
 #include "benchmarks/accuracy_models.h"
+#include "lobe/scene/prolongated.h"
 #include "lobe/scene/resolve.h"
 #include "lobe/sort_unique.h"
 

@@ -21,7 +21,7 @@
 #include "lobe/run/solve.h"
 #include "lobe/scene/bind_groups.h"
 #include "lobe/scene/describe.h"
-#include "lobe/scene/each_selector.h"
+#include "lobe/scene/prolongated.h"
 #include "lobe/scene/read_scene.h"
 #include "lobe/scene/scene_mesh.h"
 #include "lobe/scene/unit_checks.h"
@@ -226,13 +226,11 @@ int info(const InfoOptions& options) {
   return done;
 }
 
-// What the scene makes of another mesh, which has its scale already.
-std::function<Setup(const TetMesh&)> on_other_meshes(Scene scene) {
+// What the scene makes of the refinement of its mesh, which has its scale already.
+std::function<Setup(const RefinedMesh&)> on_refinement(Scene scene, const TetMesh& mesh) {
   scene.mesh_scale = 1;
-  return [scene](const TetMesh& mesh) {
-    if (!scene.bodies.empty() || !selects_by_place(scene))
-      throw InputError(scene.file.string(), "selects by numbers or names of its mesh, not by places alone");
-    return resolve(scene, mesh, {false, {}}).setup;
+  return [scene, &mesh](const RefinedMesh& refined) {
+    return resolve(prolongated(scene, mesh, refined), refined.mesh, {false, {}}).setup;
   };
 }
 
@@ -244,7 +242,7 @@ int check(const SceneOptions& options) {
     ProgressBar bar("solving");
     errors = total_errors(loaded.resolved.setup,
                           {linked_solver.make_definite, [&](double fraction) { bar.show(fraction); },
-                           on_other_meshes(loaded.scene)});
+                           on_refinement(loaded.scene, loaded.resolved.setup.mesh)});
   }
   if (options.json) {
     Json description = Json::parse(describe_json(loaded.scene, loaded.resolved));

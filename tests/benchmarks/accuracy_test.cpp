@@ -18,6 +18,7 @@
 #include "lobe/error.h"
 #include "lobe/io/mesh_io.h"
 #include "lobe/mesh/generators.h"
+#include "lobe/scene/prolongated.h"
 #include "lobe/scene/read_scene.h"
 #include "lobe/scene/resolve.h"
 #include "lobe/scene/select.h"

@@ -86,7 +86,7 @@ TEST_CASE("what another mesh holds is a part of the total error, and none where 
   constexpr double held_to = 0.016;  // 0.01 on this mesh, 0.015 where it is refined
   const Vec3d pull(0, 0, 0.01);
   TotalErrorOptions options;
-  options.on_mesh = [&](const TetMesh& mesh) { return pulled_bar(mesh, pull, held_to); };
+  options.on_refined = [&](const RefinedMesh& refined) { return pulled_bar(refined.mesh, pull, held_to); };
   for (const TotalError& error : total_errors(pulled_bar(bar_mesh(2), pull, held_to), options)) {
     INFO(error.name);
     REQUIRE(error.held);
@@ -101,15 +101,15 @@ TEST_CASE("what another mesh holds is a part of the total error, and none where 
     else
       CHECK(1 + error.held->largest == near(std::pow(70.0 / 65, 4), 0.1));  // a beam that bends by its weight
   }
-  options.on_mesh = [&](const TetMesh& mesh) { return pulled_bar(mesh, pull); };
+  options.on_refined = [&](const RefinedMesh& refined) { return pulled_bar(refined.mesh, pull); };
   for (const TotalError& error : total_errors(pulled_bar(2, pull), options)) {
     REQUIRE(error.held);
     CHECK(error.held->l2 < 1e-8);
     CHECK(error.total->l2 == near(error.element.l2, 1e-6));
   }
-  options.on_mesh = [](const TetMesh&) -> Setup { throw InputError("scene", "selects by numbers"); };
+  options.on_refined = [](const RefinedMesh&) -> Setup { throw InputError("scene", "selects nothing"); };
   const std::vector<TotalError> errors = total_errors(pulled_bar(1, pull), options);
   CHECK_FALSE(errors[0].held);
   CHECK(errors[0].element.l2 > 0);
-  CHECK(total_error_table(errors).find("what is held: scene: selects by numbers") != std::string::npos);
+  CHECK(total_error_table(errors).find("what is held: scene: selects nothing") != std::string::npos);
 }

@@ -7,6 +7,7 @@
 #include "lobe/mesh/generators.h"
 #include "lobe/scene/bind_groups.h"
 #include "lobe/scene/each_selector.h"
+#include "lobe/scene/prolongated.h"
 #include "lobe/scene/read_scene.h"
 #include "lobe/scene/write_scene.h"
 
@@ -212,7 +213,7 @@ TEST_CASE("a patch is the part of the boundary that turns little from the face n
   CHECK(tets(end) == 2 * 2 * 2);
 }
 
-TEST_CASE("a scene selects by place if no part of a selector counts or names what its mesh has") {
+TEST_CASE("a scene selects by number if a part of any selector counts vertices or tetrahedra") {
   const auto holding = [](const Selector& where) {
     Scene scene;
     scene.boundary.emplace_back();
@@ -223,11 +224,41 @@ TEST_CASE("a scene selects by place if no part of a selector counts or names wha
   const auto beside_box = [&](const Selector& part) {
     return Selector{SelectAnyOf{{box, {SelectAllOf{{box, negation(part)}}}}}};
   };
-  CHECK(selects_by_place(holding(beside_box(everything))));
-  for (const Selector& part : {Selector{SelectSurface{{"capsule"}}}, Selector{SelectVertices{{1, 2}}},
-                               Selector{SelectTetrahedra{{3}}}, Selector{SelectNearest{{0, 0, 0}, 4}}}) {
-    CHECK_FALSE(selects_by_place(holding(part)));
-    CHECK_FALSE(selects_by_place(holding(beside_box(part))));
-  }
+  CHECK_FALSE(selects_by_number(holding(beside_box(everything))));
   CHECK_FALSE(selects_by_number(holding(beside_box({SelectSurface{{"capsule"}}}))));
+  for (const Selector& part : {Selector{SelectVertices{{1, 2}}}, Selector{SelectTetrahedra{{3}}},
+                               Selector{SelectNearest{{0, 0, 0}, 4}}}) {
+    CHECK(selects_by_number(holding(part)));
+    CHECK(selects_by_number(holding(beside_box(part))));
+    Scene fibres, gesture;
+    fibres.materials.emplace_back().fibre = FibreHarmonic{box, part};
+    CHECK(selects_by_number(fibres));
+    gesture.auto_regions.emplace().gestures.push_back({"pull", part});
+    CHECK(selects_by_number(gesture));
+  }
+}
+
+// Edges of the refined box are half as long: 8 × 4 × 4 cells.
+TEST_CASE("on the refined mesh a selection means the same part of the body, however it is named") {
+  const RefinedMesh refined = refine(mesh);
+  const Selector left = plane({0, 0, 0}, {1, 0, 0}, Side::within, 0.1);
+  const auto prolongated_from = [&](const Selector& where) {
+    Scene scene = selecting(R"({"box": {"min": [0, 0, 0], "max": [1, 1, 1]}})");
+    scene.boundary[0].where = where;
+    return prolongated(scene, mesh, refined).boundary[0].where;
+  };
+  const Selector surface = prolongated_from(bound(R"({"surface": "left"})"));
+  const std::vector<TetFace> outer = outer_faces(refined.mesh);
+  CHECK(select_vertices(surface, refined.mesh) == select_vertices(left, refined.mesh));
+  CHECK(select_faces(surface, refined.mesh, outer).size() == 4 * 8);
+  CHECK(select_faces(surface, refined.mesh, outer).size() == select_faces(left, refined.mesh, outer).size());
+  CHECK(select_tets(surface, refined.mesh).size() == 4 * 8);
+  const Selector numbers = prolongated_from({SelectVertices{select_vertices(left, mesh)}});
+  CHECK(select_vertices(numbers, refined.mesh) == select_vertices(left, refined.mesh));
+  const Selector both = prolongated_from(
+      {SelectAllOf{{bound(R"({"surface": "left"})"), negation({SelectBox{{-1, -1, -1}, {1, 0.9, 3}}})}}});
+  CHECK(select_vertices(both, refined.mesh).size() == 3 * 5);
+  // Triangles that are none of the mesh have no parts.
+  CHECK(
+      select_vertices(prolongated_from({SelectSurface{{"far"}, {{0, 20, 44}}, true}}), refined.mesh).empty());
 }

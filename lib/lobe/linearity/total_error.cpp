@@ -6,7 +6,6 @@
 #include "lobe/diagnostics/compare.h"
 #include "lobe/error.h"
 #include "lobe/linearity/gestures.h"
-#include "lobe/mesh/refine.h"
 #include "lobe/numerics/supernodal_factor.h"
 #include "lobe/solve/quadratic_solver.h"
 
@@ -53,14 +52,14 @@ class Comparison {
  public:
   Comparison(const Setup& setup, const TotalErrorOptions& options)
       : factor_(options.factor ? options.factor : make_supernodal),
-        judges_held_(bool(options.on_mesh)),
+        judges_held_(bool(options.on_refined)),
         mesh_(setup.mesh),
         refined_(refine(setup.mesh)) {
     for (const Index parent : refined_.parent_of)
       density_.push_back(setup.materials[setup.material_of[std::size_t(parent)]].density);
-    if (!options.on_mesh) return;
+    if (!options.on_refined) return;
     try {
-      selected_again_ = static_loads(options.on_mesh(refined_.mesh));
+      selected_again_ = static_loads(options.on_refined(refined_));
     } catch (const InputError& error) {
       held_trouble_ = error.what();
     }

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "lobe/mesh/refine.h"
 #include "lobe/numerics/sparse_factor.h"
 #include "lobe/setup/setup.h"
 
@@ -36,8 +37,8 @@ struct TotalError {
 struct TotalErrorOptions {
   SparseFactorMaker factor = {};  // factor; if none is given, a Cholesky factor by dense blocks
   std::function<void(double fraction)> progress = {};
-  // The setup that the scene gives on another mesh of the body. If it is given, what is held is judged.
-  std::function<Setup(const TetMesh& mesh)> on_mesh = {};
+  // The setup that the scene gives on the refinement of the mesh. If it is given, what is held is judged.
+  std::function<Setup(const RefinedMesh& refined)> on_refined = {};
 };
 
 // For each of static_loads() (gestures.h). Corotated regions, which have no static solution, count as

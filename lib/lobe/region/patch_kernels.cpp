@@ -37,7 +37,8 @@ void Patches<Real>::find_pressures(const Mat3X<Real>& u, Parallel& parallel) {
 
 template <class Real>
 void Patches<Real>::add_forces(const Mat3X<Real>& u, Mat3X<Real>& f, Parallel& parallel) {
-  // Smoothing domains compute the forces of their tetrahedra (tet_owners.h).
+  // Smoothing domains compute the forces of their tetrahedra (tet_owners.h). Their blocks here are for what
+  // is asked for less often: energy, det F, and the stiffness of volume term and guard.
   const auto is_of_domains = [](const auto& law) { return law.terms.solid == MaterialLaw::none; };
   if (std::all_of(laws_.begin(), laws_.end(), is_of_domains)) return;
   if (nodal_pressure_) find_pressures(u, parallel);

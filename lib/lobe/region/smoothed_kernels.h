@@ -32,7 +32,7 @@ struct alignas(64) GradientRow {
 template <class Real>
 struct alignas(64) ChainRow {
   std::array<typename ElementBlock<Real>::Row, 3> X{};    // place from the domain's first vertex, at rest [m]
-  typename ElementBlock<Real>::Row six_V{}, per_six_V{};  // volume of the tetrahedron that ends here [m³]
+  typename ElementBlock<Real>::Row six_V{}, per_six_V{};  // 6φV, 1/6V of a tetrahedron, or 0 [m³], [1/m³]
 };
 // A vertex by the number n that a patch gives it, kept as 4n: where its PaddedVector begins.
 struct PaddedPlace {

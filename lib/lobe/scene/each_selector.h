@@ -11,8 +11,13 @@ namespace lobe {
 // Calls visit(selector, whether it is of tetrahedra) for every selector of a scene that is at the top.
 template <class SceneType, class Visit>
 void for_each_selector(SceneType& scene, const Visit& visit) {
-  for (auto& material : scene.materials)
+  for (auto& material : scene.materials) {
     if (material.where) visit(*material.where, true);
+    if (auto* field = material.fibre ? std::get_if<FibreHarmonic>(&*material.fibre) : nullptr) {
+      visit(field->from, false);
+      visit(field->to, false);
+    }
+  }
   for (auto& region : scene.regions)
     if (region.where) visit(*region.where, true);
   for (auto& boundary : scene.boundary) visit(boundary.where, false);
@@ -23,6 +28,8 @@ void for_each_selector(SceneType& scene, const Visit& visit) {
       visit(bed->from, false);
       if (bed->to) visit(*bed->to, false);
     }
+  if (scene.auto_regions)
+    for (auto& gesture : scene.auto_regions->gestures) visit(gesture.where, false);
 }
 
 // The selectors that this one is made of; none if it is simple.
@@ -45,16 +52,4 @@ inline bool selects_by_number(const Scene& scene) {
   for_each_selector(scene, [&](const Selector& selector, bool) { found = found || by_number(selector); });
   return found;
 }
-// Whether it takes triangles that the mesh's file names.
-inline bool by_surface(Selector selector) {
-  if (const auto* parts = parts_of(selector)) return std::any_of(parts->begin(), parts->end(), by_surface);
-  return std::holds_alternative<SelectSurface>(selector.value);
-}
-// Whether every selector means the same on another mesh of the body, of which no file is known.
-inline bool selects_by_place(const Scene& scene) {
-  bool found = selects_by_number(scene);
-  for_each_selector(scene, [&](const Selector& selector, bool) { found = found || by_surface(selector); });
-  return !found;
-}
-
 }  // namespace lobe

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "lobe/io/mesh_io.h"
+#include "lobe/mesh/quality.h"
 #include "lobe_mesh/diagnose.h"
 #include "meshing/shapes.h"
 #include "near.h"

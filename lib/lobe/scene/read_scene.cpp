@@ -6,11 +6,14 @@
 
 #include "lobe/error.h"
 #include "lobe/fem/law_fault.h"
+#include "lobe/scene/boundary_keys.h"
 #include "lobe/scene/check_scene.h"
 #include "lobe/scene/json_text.h"
 #include "lobe/scene/material_constants.h"
 #include "lobe/scene/read_selector.h"
 #include "lobe/scene/read_shape.h"
+#include "lobe/scene/region_keys.h"
+#include "lobe/scene/time_keys.h"
 #include "lobe/scene/tissues.h"
 #include "lobe/scene/tool_kinds.h"
 #include "lobe/scene/validate.h"
@@ -39,19 +42,6 @@ void read_orientation(const json& object, Eigen::Vector4d& quaternion) {
 std::optional<Selector> read_where(const json& entry) {
   if (!entry.contains("where")) return std::nullopt;
   return read_selector(entry["where"]);
-}
-
-SceneBody read_body(const json& entry, const std::string&) {
-  SceneBody body;
-  read(entry, "name", body.name);
-  read_path(entry, "mesh", body.mesh);
-  read(entry, "mesh_scale", body.mesh_scale);
-  if (entry.contains("position")) body.position = read_vector(entry["position"]);
-  read_orientation(entry, body.orientation);
-  const std::string carries = entry.value("carries", "nothing");
-  const auto place = std::find(carries_names.begin(), carries_names.end(), carries);
-  body.carries = Carries(place - carries_names.begin());
-  return body;
 }
 
 FibreField read_fibre(const json& object) {
@@ -149,21 +139,6 @@ Material read_material(const json& given, const std::string& pointer) {
   return material;
 }
 
-Region read_region(const json& entry, const std::string& pointer) {
-  const std::string model = entry["model"];
-  Region region;
-  region.name = model;
-  read(entry, "name", region.name);
-  const auto at = std::find(region_model_names.begin(), region_model_names.end(), model);
-  region.model = static_cast<RegionModel>(at - region_model_names.begin());  // the schema knows no others
-  if (entry.value("frame", "fixed") == "corotated") region.frame = RegionFrame::corotated;
-  read(entry, "cell", region.cell);
-  read(entry, "tolerance", region.tolerance);
-  region.where = read_where(entry);
-  region.pointer = pointer;
-  return region;
-}
-
 HoldBy read_hold_by(const json& entry) {
   const auto at = std::find(hold_by_names.begin(), hold_by_names.end(), entry.value("hold_by", "vertices"));
   return static_cast<HoldBy>(at - hold_by_names.begin());  // the schema knows no others
@@ -216,33 +191,6 @@ Tool read_tool(const json& entry, const std::string& pointer) {
   return tool;
 }
 
-void read_sleep(const json& object, Time& time) {
-  if (!object.contains("sleep")) return;
-  const json& sleep = object["sleep"];
-  if (sleep == true)
-    throw InputError(
-        "/time/sleep",
-        "true does not say by how much displacements may differ: give that in m, or leave it out, "
-        "and sessions choose it");
-  time.sleep = sleep.is_boolean() ? 0 : sleep.get<double>();
-}
-
-void read_time(const json& object, Time& time) {
-  read(object, "duration", time.duration);
-  read(object, "frame", time.frame);
-  read(object, "damping", time.damping);
-  read(object, "safety", time.safety);
-  read(object, "cut_step", time.cut_step);
-  read(object, "selective_mass", time.selective_mass);
-  read(object, "ramp", time.ramp);
-  read(object, "load_ramp", time.load_ramp);
-  read_sleep(object, time);
-  read(object, "step", time.step);
-  read(object, "spectral_radius", time.spectral_radius);
-  if (object.value("integrator", "explicit") == "implicit") time.integrator = Integrator::generalised_alpha;
-  if (object.value("precision", "single") == "double") time.precision = Precision::double_precision;
-}
-
 template <class Entry>
 void read_entries(const json& document, const char* key, std::vector<Entry>& entries,
                   Entry (*read_entry)(const json&, const std::string&)) {
@@ -253,28 +201,9 @@ void read_entries(const json& document, const char* key, std::vector<Entry>& ent
   }
 }
 
-SceneGesture read_gesture(const json& entry, const std::string& pointer) {
-  SceneGesture gesture;
-  gesture.name = pointer;
-  read(entry, "name", gesture.name);
-  gesture.where = read_selector(entry["where"]);
-  gesture.is_force = entry.contains("force");
-  gesture.value = read_vector(entry[gesture.is_force ? "force" : "displacement"]);
-  gesture.pointer = pointer;
-  return gesture;
-}
-
-AutoRegions read_auto_regions(const json& object) {
-  AutoRegions regions;
-  read(object, "tolerance", regions.tolerance);
-  read(object, "precomputed", regions.precomputed);
-  read(object, "reduced", regions.reduced);
-  read(object, "correct", regions.correct);
-  if (!object.contains("gestures")) return regions;
-  for (const json& entry : object["gestures"])
-    regions.gestures.push_back(
-        read_gesture(entry, child_pointer("/regions/auto/gestures", regions.gestures.size())));
-  return regions;
+template <class Entry>
+void read_list(const json& document, const char* key, std::vector<Entry>& entries) {
+  if (document.contains(key)) keys::read_value(document[key], entries, child_pointer("", key));
 }
 
 void read_contact(const json& object, Scene& scene) {
@@ -292,102 +221,32 @@ void read_contact(const json& object, Scene& scene) {
   }
 }
 
-SceneTie read_tie(const json& entry) {
-  SceneTie tie;
-  read(entry, "at", tie.at);
-  read(entry, "tighten", tie.tighten);
-  read(entry, "over", tie.over);
-  if (entry.contains("between")) tie.between = {entry["between"][0], entry["between"][1]};
-  return tie;
-}
-
-SceneStitch read_stitch(const json& entry) {
-  SceneStitch stitch;
-  for (const json& point : entry["through"]) stitch.through.push_back(read_vector(point));
-  read(entry, "at", stitch.at);
-  if (!entry.contains("tie")) return stitch;
-  const json& ties = entry["tie"];
-  if (ties.is_object()) stitch.ties.push_back(read_tie(ties));
-  if (ties.is_array())
-    for (const json& tie : ties) stitch.ties.push_back(read_tie(tie));
-  return stitch;
-}
-
-SceneThread read_thread(const json& entry, const std::string& pointer) {
-  SceneThread thread;
-  read(entry, "name", thread.name);
-  read(entry, "stiffness", thread.material.stiffness);
-  read(entry, "friction", thread.material.friction);
-  read(entry, "strength", thread.material.strength);
-  read(entry, "holds", thread.material.holds);
-  for (const json& stitch : entry["stitches"]) thread.stitches.push_back(read_stitch(stitch));
-  thread.pointer = pointer;
-  return thread;
-}
-
-SceneBed read_bed(const json& entry) {
-  SceneBed bed;
-  bed.from = read_selector(entry["from"]);
-  if (entry.contains("to")) bed.to = read_selector(entry["to"]);
-  read(entry, "within", bed.within);
-  read(entry, "spacing", bed.spacing);
-  read(entry, "stiffness", bed.stiffness);
-  if (entry.contains("fracture_energy")) bed.fracture_energy = entry["fracture_energy"].get<double>();
-  return bed;
-}
-
-SceneLigament read_ligament(const json& entry) {
-  SceneLigament ligament;
-  ligament.from = read_vector(entry["from"]);
-  ligament.ends_in_world = entry.contains("to_world");
-  ligament.to = read_vector(entry[ligament.ends_in_world ? "to_world" : "to"]);
-  read(entry, "stiffness", ligament.stiffness);
-  read(entry, "slack", ligament.slack);
-  if (entry.contains("strength")) ligament.strength = entry["strength"].get<double>();
-  return ligament;
-}
-
-SceneAttachment read_attachment(const json& entry, const std::string& pointer) {
-  SceneAttachment attachment;
-  read(entry, "name", attachment.name);
-  read(entry, "softening", attachment.softening);
-  if (entry.contains("bed"))
-    attachment.what = read_bed(entry["bed"]);
-  else
-    attachment.what = read_ligament(entry["ligament"]);
-  attachment.pointer = pointer;
-  return attachment;
-}
-
 // Of a document that satisfies the schema.
 Scene from_document(const json& document) {
   Scene scene;
   read(document, "name", scene.name);
   read_path(document, "mesh", scene.mesh);
   read(document, "mesh_scale", scene.mesh_scale);
-  read_entries(document, "bodies", scene.bodies, read_body);
+  read_list(document, "bodies", scene.bodies);
   read(document, "volume_penalty", scene.volume_penalty);
   read(document, "guard_below", scene.guard_below);
   read_entries(document, "materials", scene.materials, read_material);
   if (document.contains("regions") && document["regions"].is_object())
-    scene.auto_regions = read_auto_regions(document["regions"]["auto"]);
+    keys::read_value(document["regions"]["auto"], scene.auto_regions, "/regions/auto");
   else
-    read_entries(document, "regions", scene.regions, read_region);
+    read_list(document, "regions", scene.regions);
   read_entries(document, "boundary", scene.boundary, read_boundary);
   read_entries(document, "tools", scene.tools, read_tool);
-  read_entries(document, "threads", scene.threads, read_thread);
-  read_entries(document, "attachments", scene.attachments, read_attachment);
+  read_list(document, "threads", scene.threads);
+  read_list(document, "attachments", scene.attachments);
   if (document.contains("contact")) read_contact(document["contact"], scene);
   if (document.contains("gravity")) scene.gravity = read_vector(document["gravity"]);
   const std::string pieces = document.value("loose_pieces", "fall");
   if (pieces == "vanish") scene.loose_pieces = LoosePieces::vanish;
   if (pieces == "stay") scene.loose_pieces = LoosePieces::stay;
   read_path(document, "skin", scene.skin);
-  if (document.contains("time")) read_time(document["time"], scene.time);
-  if (document.contains("output")) {
-    read(document["output"], "every", scene.output.every);
-    read(document["output"], "pictures", scene.output.pictures);
-  }
+  if (document.contains("time")) keys::read_keys(document["time"], scene.time, "/time");
+  if (document.contains("output")) keys::read_keys(document["output"], scene.output, "/output");
   return scene;
 }
 

@@ -1,0 +1,250 @@
+// Tables of the keys that the structs of a scene have in JSON. Internal, not part of the public interface.
+//
+// A row says a key, its member, what values it takes, and in a sentence what it means. The default is that of
+// the struct. Reader and writer follow the rows; scene.schema.json and the tables of docs/scene.md are
+// compared with them by tests/scene/key_table_test.cpp, which writes the former.
+#pragma once
+
+#include <algorithm>
+#include <concepts>
+#include <filesystem>
+#include <functional>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include "lobe/scene/json_text.h"
+#include "lobe/scene/read_selector.h"
+#include "lobe/scene/scene.h"
+
+namespace lobe::keys {
+
+// What a key takes: a range of numbers, their unit, and whether the key must be there.
+struct Takes {
+  double least = -std::numeric_limits<double>::infinity();
+  double most = std::numeric_limits<double>::infinity();
+  bool is_above = false, is_below = false;  // without the limit itself
+  const char* unit = "";
+  std::size_t least_items = 0;  // of a list
+  bool is_one_or_list = false;  // a list, or one item of it by itself
+  bool is_or_false = false;     // a number, or false in place of 0
+  bool is_required = false;
+  bool has_default = true;  // that of the struct; else something depends on whether the key is there
+  bool is_quiet = false;    // not written where it has its default
+
+  template <class Value>
+  constexpr Takes with(Value Takes::*member, Value value) const {
+    Takes changed = *this;
+    changed.*member = value;
+    return changed;
+  }
+  constexpr Takes up_to(double limit) const { return with(&Takes::most, limit); }
+  constexpr Takes below(double limit) const { return up_to(limit).with(&Takes::is_below, true); }
+  constexpr Takes in(const char* symbol) const { return with(&Takes::unit, symbol); }
+  constexpr Takes items(std::size_t count) const { return with(&Takes::least_items, count); }
+  constexpr Takes or_one() const { return with(&Takes::is_one_or_list, true); }
+  constexpr Takes or_false() const { return with(&Takes::is_or_false, true); }
+  constexpr Takes required() const { return with(&Takes::is_required, true); }
+  constexpr Takes quiet() const { return with(&Takes::is_quiet, true); }
+  constexpr Takes derived() const { return with(&Takes::has_default, false); }
+  constexpr Takes optional() const { return derived().quiet(); }
+};
+inline constexpr Takes any{};
+constexpr Takes at_least(double limit) { return {.least = limit}; }
+constexpr Takes above(double limit) { return {.least = limit, .is_above = true}; }
+
+template <class Member>  // pointer to a member, or a function that finds one
+struct Key {
+  const char* key;
+  Member member;
+  Takes takes;
+  const char* sentence;
+  constexpr Key(const char* k, Member m, Takes t, const char* s) : key(k), member(m), takes(t), sentence(s) {}
+};
+
+// ---- What else a row may have for a member. Reading calls it with a struct that changes, for what is set;
+// writing with one that does not, for a pointer: null where the struct has something else.
+
+// A member of a member.
+template <class Struct, class Part, class Value>
+struct In {
+  Part Struct::*part;
+  Value Part::*member;
+  constexpr In(Part Struct::*p, Value Part::*m) : part(p), member(m) {}
+  Value& operator()(Struct& whole) const { return whole.*part.*member; }
+  const Value& operator()(const Struct& whole) const { return whole.*part.*member; }
+};
+// A member that means something where another one has a certain value, which reading sets.
+template <class Struct, class Tag, class Value>
+struct Case {
+  Tag Struct::*tag;
+  Tag required;
+  Value Struct::*member;
+  constexpr Case(Tag Struct::*t, Tag r, Value Struct::*m) : tag(t), required(r), member(m) {}
+  Value& operator()(Struct& whole) const {
+    whole.*tag = required;
+    return whole.*member;
+  }
+  const Value* operator()(const Struct& whole) const {
+    return whole.*tag == required ? &(whole.*member) : nullptr;
+  }
+};
+// One of the types that a member may have.
+template <class Value, class Struct, class Variant>
+struct Alternative {
+  Variant Struct::*what;
+  Value& operator()(Struct& whole) const { return (whole.*what).template emplace<Value>(); }
+  const Value* operator()(const Struct& whole) const { return std::get_if<Value>(&(whole.*what)); }
+};
+template <class Value, class Struct, class Variant>
+constexpr auto alternative(Variant Struct::*what) {
+  return Alternative<Value, Struct, Variant>{what};
+}
+struct True {};  // a key that can only be true
+inline True is_true;
+
+template <class Struct, class Member>
+using MemberType = std::remove_cvref_t<std::invoke_result_t<Member, Struct&>>;
+
+template <class... Rows>
+struct Table {
+  const char* definition;  // its name in the schema
+  const char* rules;       // what the schema says of keys that go together or are gone, as JSON; or ""
+  std::tuple<Rows...> rows;
+  constexpr Table(const char* d, const char* r, Rows... all) : definition(d), rules(r), rows(all...) {}
+};
+struct NoTable {};
+template <class Struct>
+inline constexpr NoTable table_of{};
+template <class Struct>
+concept HasKeys = !std::same_as<std::remove_cvref_t<decltype(table_of<Struct>)>, NoTable>;
+// The words for the values of an enumeration.
+template <class Enum>
+inline constexpr std::array<const char*, 0> words_of{};
+template <class Enum>
+concept HasWords = (words_of<Enum>.size() > 0);
+
+template <class Value>
+struct ListOf : std::false_type {};
+template <class Item>
+struct ListOf<std::vector<Item>> : std::true_type {};
+
+template <class Struct, class Visit>
+void for_each_key(const Visit& visit) {
+  std::apply([&](const auto&... row) { (visit(row), ...); }, table_of<Struct>.rows);
+}
+
+// ---- Reading, of a document that satisfies the schema.
+
+template <class Struct>
+void read_keys(const nlohmann::json& object, Struct& value, const std::string& place);
+
+template <class Value>
+void read_value(const nlohmann::json& given, Value& value, const std::string& place) {
+  if constexpr (std::same_as<Value, True>) {
+    return;
+  } else if constexpr (HasKeys<Value>) {
+    read_keys(given, value, place);
+  } else if constexpr (HasWords<Value>) {
+    const auto word = std::find(words_of<Value>.begin(), words_of<Value>.end(), given.get<std::string>());
+    value = Value(word - words_of<Value>.begin());
+  } else if constexpr (std::same_as<Value, std::filesystem::path>) {
+    const std::string text = given;
+    value = std::u8string(text.begin(), text.end());
+  } else if constexpr (std::same_as<Value, Selector>) {
+    value = read_selector(given);
+  } else if constexpr (std::same_as<Value, Vec3d>) {
+    value = read_vector(given);
+  } else if constexpr (std::same_as<Value, Eigen::Vector4d>) {
+    for (int i = 0; i < 4; ++i) value[i] = given[std::size_t(i)].get<double>();
+  } else if constexpr (requires { value.emplace(); }) {
+    read_value(given, value.emplace(), place);
+  } else if constexpr (ListOf<Value>::value) {
+    value.clear();
+    if (!given.is_array()) return read_value(given, value.emplace_back(), place);  // one by itself
+    for (const nlohmann::json& item : given) {
+      const std::string at = child_pointer(place, value.size());
+      read_value(item, value.emplace_back(), at);
+    }
+  } else if constexpr (std::floating_point<Value>) {
+    value = given.is_boolean() ? Value(given.get<bool>()) : given.get<Value>();
+  } else {
+    given.get_to(value);
+  }
+}
+
+template <class Struct>
+void read_keys(const nlohmann::json& object, Struct& value, const std::string& place) {
+  if constexpr (requires { value.pointer; }) value.pointer = place;
+  for_each_key<Struct>([&](const auto& row) {
+    const auto found = object.find(row.key);
+    if (found != object.end())
+      read_value(*found, std::invoke(row.member, value), child_pointer(place, row.key));
+  });
+  if constexpr (requires { after_reading(object, value); }) after_reading(object, value);
+}
+
+// ---- Writing.
+
+template <class Struct>
+void write_keys(const Struct& value, nlohmann::ordered_json& object);
+
+template <class Value>
+nlohmann::ordered_json write_value(const Value& value) {
+  if constexpr (std::is_pointer_v<Value>) {
+    return write_value(*value);
+  } else if constexpr (std::same_as<Value, True>) {
+    return true;
+  } else if constexpr (HasKeys<Value>) {
+    nlohmann::ordered_json object = nlohmann::ordered_json::object();
+    write_keys(value, object);
+    return object;
+  } else if constexpr (HasWords<Value>) {
+    return words_of<Value>[std::size_t(value)];
+  } else if constexpr (std::same_as<Value, std::filesystem::path>) {
+    const std::u8string text = value.u8string();
+    return std::string(text.begin(), text.end());
+  } else if constexpr (std::same_as<Value, Selector>) {
+    return write_selector(value);
+  } else if constexpr (std::same_as<Value, Vec3d> || std::same_as<Value, Eigen::Vector4d>) {
+    return std::vector<double>(value.begin(), value.end());
+  } else if constexpr (requires { value.has_value(); }) {
+    return write_value(*value);
+  } else if constexpr (ListOf<Value>::value) {
+    nlohmann::ordered_json list = nlohmann::ordered_json::array();
+    for (const auto& item : value) list.push_back(write_value(item));
+    return list;
+  } else {
+    return value;
+  }
+}
+
+template <class Value>
+bool is_default(const Value& value, const Value& standard) {
+  if constexpr (std::is_pointer_v<Value>)
+    return !value;
+  else if constexpr (requires { value.has_value(); })
+    return !value.has_value();
+  else if constexpr (ListOf<Value>::value)
+    return value.empty();
+  else if constexpr (std::equality_comparable<Value>)
+    return value == standard;
+  else
+    return false;
+}
+
+template <class Struct>
+void write_keys(const Struct& value, nlohmann::ordered_json& object) {
+  static const Struct standard{};
+  for_each_key<Struct>([&](const auto& row) {
+    const auto& member = std::invoke(row.member, value);
+    constexpr bool may_be_null = std::is_pointer_v<std::remove_cvref_t<decltype(member)>>;
+    if ((may_be_null || row.takes.is_quiet) && is_default(member, std::invoke(row.member, standard))) return;
+    object[row.key] = write_value(member);
+  });
+}
+
+}  // namespace lobe::keys

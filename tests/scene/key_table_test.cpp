@@ -1,0 +1,73 @@
+// The schema and the reference of scenes say what the tables of keys say.
+#include "lobe/scene/key_table.h"
+
+#include <doctest/doctest.h>
+
+#include <cstdlib>
+#include <fstream>
+
+#include "lobe/scene/boundary_keys.h"
+#include "lobe/scene/region_keys.h"
+#include "lobe/scene/schema.h"
+#include "lobe/scene/time_keys.h"
+#include "pages.h"
+#include "scene/schema_of_keys.h"
+
+using namespace lobe;
+using namespace lobe::test;
+
+namespace {
+
+template <class... Structs>
+struct Tables {
+  // Calls visit(definition, schema) for each table.
+  template <class Visit>
+  static void for_each_schema(const Visit& visit) {
+    (visit(keys::table_of<Structs>.definition, schema_of<Structs>()), ...);
+  }
+  // Calls visit(row) for the start of each row of the pages.
+  template <class Visit>
+  static void for_each_row(const Visit& visit) {
+    (keys::for_each_key<Structs>([&](const auto& row) { visit(row_in_words<Structs>(row)); }), ...);
+  }
+};
+using All = Tables<SceneBody, Region, AutoRegions, SceneGesture, SceneThread, SceneStitch, SceneTie,
+                   SceneAttachment, SceneBed, SceneLigament, Time, Output>;
+
+}  // namespace
+
+// With LOBE_RENEW it writes the file, which is compiled into the next build.
+TEST_CASE("the schema has what the tables of keys say") {
+  const ordered_json file = ordered_json::parse(scene_schema());
+  ordered_json renewed = file;
+  All::for_each_schema([&](const std::string& name, const ordered_json& schema) {
+    CAPTURE(name);
+    CHECK(file["definitions"][name] == schema);
+    renewed["definitions"][name] = schema;
+  });
+  CHECK(std::string(scene_schema()) == as_text(renewed) + "\n");
+  if (std::getenv("LOBE_RENEW"))
+    std::ofstream(LOBE_DOCS_DIR "/../lib/lobe/scene/scene.schema.json") << as_text(renewed) << "\n";
+}
+
+TEST_CASE("rows of the reference begin as the tables of keys say") {
+  const std::string pages = without_links(page_with_chapters(LOBE_DOCS_DIR, "scene"));
+  All::for_each_row([&](const PageRow& row) {
+    CAPTURE(row.start);
+    CAPTURE(row.sentence);
+    CHECK(row.is_on(pages));
+  });
+}
+
+TEST_CASE("rows say types, ranges, units and defaults") {
+  std::vector<std::string> starts;
+  Tables<Time>::for_each_row([&](const PageRow& row) { starts.push_back(row.start); });
+  REQUIRE(starts.size() == 13);
+  CHECK(starts[1] == "\n| `frame` | number > 0 [s] | 1/30 | ");
+  CHECK(starts[3] == "\n| `safety` | number in (0, 1] | 0.9 | ");
+  CHECK(starts[5] == "\n| `selective_mass` | integer in [1, 16] | 1 | ");
+  CHECK(starts[8] == "\n| `precision` | `\"single\"`, `\"double\"` | `\"single\"` | ");
+  const PageRow row{"\n| `a` | number | ", "meaning", false};
+  CHECK(row.is_on("\n| `a` | number | none | meaning of it |"));
+  CHECK_FALSE(row.is_on("\n| `a` | number | none | another meaning |"));
+}

@@ -233,7 +233,7 @@ TEST_CASE("a scene selects by number if a part of any selector counts vertices o
     Scene fibres, gesture;
     fibres.materials.emplace_back().fibre = FibreHarmonic{box, part};
     CHECK(selects_by_number(fibres));
-    gesture.auto_regions.emplace().gestures.push_back({"pull", part});
+    gesture.auto_regions.emplace().gestures.emplace_back().where = part;
     CHECK(selects_by_number(gesture));
   }
 }

@@ -41,7 +41,7 @@ void look(const Report& report, Seen& seen) {
     seen.narrow += has("is shorter than the edges");
     seen.far += has("more than three mean edges");
     seen.crumbs += has("crumbs stay attached");
-    seen.waiting += has("more than 32 blades");
+    seen.waiting += has("32 other blades cut");
   }
 }
 

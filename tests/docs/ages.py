@@ -1,13 +1,14 @@
 #!/usr/bin/env python3
 """No table of benchmarks/results is older than the code that it measures, but for those that are known to be.
 
-benchmarks/results/measured.csv has for each table the day on which it was measured, a digest of the table, and one of
-each part of the sources that it measures (MEASURES) as they were then. Digests are of code alone: comments, layout, texts
-of messages, and names and order of files do not count. They need no history, so a clone without any can be tested.
+benchmarks/results/measured.csv has for each table the day on which it was measured, a digest of the table,
+and one of each part of the sources that it measures (MEASURES) as they were then. Digests are of code alone:
+comments, layout, texts of messages, and names and order of files do not count. They need no history, so a
+clone without any can be tested.
 
-A table fails if the code has changed since, and if it has changed itself without being told here. KNOWN_TO_BE_OLD are
-those that were old when this test came; docs/benchmarks.md shows them. The list may only shrink: a table that was
-measured again must be taken off it, and none is added.
+A table fails if the code has changed since, and if it has changed itself without being told here.
+KNOWN_TO_BE_OLD are those that were old when this test came; docs/benchmarks.md shows them. The list may only
+shrink: a table that was measured again must be taken off it, and none is added.
 
 ages.py ROOT                     says which tables are old, and which code has changed since
 ages.py ROOT --measured TABLE…   after these tables were measured by a program of the present sources
@@ -106,7 +107,8 @@ def read(root):
 
 def write(root, rows):
     with open(root / "benchmarks" / "results" / "measured.csv", "w", encoding="utf-8", newline="") as file:
-        writer = csv.DictWriter(file, ["table", "measured", "of_table", "sources", "of_sources"], lineterminator="\n")
+        columns = ["table", "measured", "of_table", "sources", "of_sources"]
+        writer = csv.DictWriter(file, columns, lineterminator="\n")
         writer.writeheader()
         writer.writerows(sorted(rows, key=lambda row: (row["table"], row["sources"])))
 
@@ -122,7 +124,8 @@ def changed(root, measures=None):
     then = {(row["table"], row["sources"]): row["of_sources"] for row in read(root)}
     found = {}
     for table, sources in measures.items():
-        found[table] = [source for source in sources if then.get((table, source)) != digest_of_sources(root, source)]
+        found[table] = [source for source in sources
+                        if then.get((table, source)) != digest_of_sources(root, source)]
     return {table: sources for table, sources in found.items() if sources}
 
 
@@ -136,7 +139,8 @@ def faults(root, measures=None, known=None):
         if not (root / "benchmarks" / "results" / f"{table}.csv").is_file():
             yield f"ages.py: there is no {table}.csv"
         elif of_table.get(table) != digest_of_table(root, table):
-            yield f"{table}.csv has changed; after measuring it say so: tests/docs/ages.py . --measured {table}"
+            yield (f"{table}.csv has changed; after measuring it say so: "
+                   f"tests/docs/ages.py . --measured {table}")
         elif table in old and table not in known:
             yield f"{table}.csv is older than {', '.join(old[table])}: measure it again"
         elif table in known and table not in old:
@@ -144,8 +148,8 @@ def faults(root, measures=None, known=None):
 
 
 def note_measured(root, names, today, measures=None):
-    """Takes note of tables that were measured by a program of the present sources. A table that is the same as before
-    was not measured again."""
+    """Takes note of tables that were measured by a program of the present sources. A table that is the same as
+    before was not measured again."""
     measures = MEASURES if measures is None else measures
     rows = read(root)
     before = {row["table"]: row["of_table"] for row in rows}

@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
 """Every number that a benchmark gave, in README.md and docs/, is the one of the committed tables.
 
-A claim is the text of a page with its numbers computed from benchmarks/results/*.csv. Tables that are made of a CSV
-whole, and the list of laws, which is made of the schema of scenes, stand between comments `<!-- table: NAME -->` and
-`<!-- end -->`. No table is older than the code that it measures,
-but for those that are known to be (ages.py).
+A claim is the text of a page with its numbers computed from benchmarks/results/*.csv. Tables that are made of
+a CSV whole, and the list of laws, which is made of the schema of scenes, stand between comments `<!-- table:
+NAME -->` and `<!-- end -->`. No table is older than the code that it measures, but for those that are known
+to be (ages.py).
 
 claims.py ROOT [--write]: --write puts the tables into the pages again; claims must be mended by hand.
 """

@@ -1,11 +1,11 @@
 """Refuses an include from a chapter of lib/lobe to one on a floor above it, names of kinds of regions in the
-chapters that play time, revision numbers that are written elsewhere than where an edit is followed, a World that does
-more than play, and mutable members of contact and skin: floors.py PROJECT
+chapters that play time, revision numbers that are written elsewhere than where an edit is followed, a World
+that does more than play, and mutable members of contact and skin: floors.py PROJECT
 
-The floors are the list `chapters` in lib/lobe/CMakeLists.txt, from the lowest up; folders that it does not have
-hold headers alone and stand where what they include lets them. `base` is lib/lobe itself, without lobe.h.
-docs/guide/develop.md, where it is there, shows the same list. Kinds of regions may be named in comments of `sim` and
-`time` alone: what these do with a region is what they do with any.
+The floors are the list `chapters` in lib/lobe/CMakeLists.txt, from the lowest up; folders that it does not
+have hold headers alone and stand where what they include lets them. `base` is lib/lobe itself, without
+lobe.h. docs/guide/develop.md, where it is there, shows the same list. Kinds of regions may be named in
+comments of `sim` and `time` alone: what these do with a region is what they do with any.
 """
 import pathlib
 import re
@@ -90,7 +90,7 @@ def functions_of(name, header):
 
 
 def misshapen(library):
-    """Lines on a World that does more than play, and on members of contact and skin that change in const functions."""
+    """Lines on a World that does more than play, and on mutable members of contact and skin."""
     found = []
     world = library / "sim" / "world.h"
     if world.exists():

@@ -69,8 +69,8 @@ inline Law<double> unsmoothed_law(const Elements& elements, const Elastic& elast
   law.terms = {.solid = MaterialLaw::none, .volume = law.terms.volume, .guard = law.terms.guard};
   return law;
 }
-inline Law<double> unsmoothed_law(const Elements& elements, Index tet, double pressure = 0) {
-  if (!elements.elastic_of(tet).is_smoothed()) return nonlinear_law(elements, tet, pressure);
+inline Law<double> unsmoothed_law(const Elements& elements, Index tet) {
+  if (!elements.elastic_of(tet).is_smoothed()) return nonlinear_law(elements, tet);
   return unsmoothed_law(elements, elements.elastic_of(tet), elements.region_of[tet]);
 }
 // The law of linear tetrahedra, for linear_stress() and similar functions: with all of λ, and no other term

@@ -162,6 +162,8 @@ TEST_CASE("a series that is none is named") {
   CHECK(fault({{0.3, 0, 0}}).find("time") != std::string::npos);
   CHECK(fault({{0.3, 0, -1}}).find("time") != std::string::npos);
   CHECK(fault({{0.3, 0, std::nan("")}}).find("time") != std::string::npos);
+  CHECK(fault({{0, 0, 1}}).find("needs a share") != std::string::npos);
+  CHECK(fault({4, PronyTerm{0.1, 0, 1}}).find("at most 3") != std::string::npos);
   CHECK(fault({{-0.1, 0, 1}}).find("at least 0") != std::string::npos);
   CHECK(fault({{0.5, 0, 1}, {0.5, 0, 2}}).find("shares of shear") != std::string::npos);
   CHECK(fault({{0, 1.2, 1}}).find("shares of bulk") != std::string::npos);

@@ -4,10 +4,12 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <span>
 #include <tuple>
 #include <vector>
 
 #include "lobe/fem/law_moduli.h"
+#include "lobe/fem/prony.h"
 #include "lobe/mesh/tet_mesh.h"
 
 namespace lobe {
@@ -47,7 +49,20 @@ struct Elastic {
   std::array<double, 2> further{};      // constants of the law beside λ and μ (law_rows)
   double fibre_angle = 0;               // angle of both families of a law with fibres to the direction [rad]
   std::array<double, 3> fibre_plane{};  // a vector at rest in their plane; not read if the angle is 0
+  std::array<PronyTerm, most_prony_terms> viscosity{};  // the first terms, beside the slow moduli above
 
+  std::span<const PronyTerm> prony_series() const {
+    std::size_t terms = 0;
+    while (terms < viscosity.size() && viscosity[terms] != PronyTerm{}) ++terms;
+    return {viscosity.data(), terms};
+  }
+  bool is_viscous() const { return !prony_series().empty(); }
+  bool relaxes_in_volume() const {
+    const auto in_volume = [](const PronyTerm& term) { return term.bulk > 0; };
+    return std::any_of(viscosity.begin(), viscosity.end(), in_volume);
+  }
+  // The solid as which it answers to what is sudden: with all of the moduli that relax.
+  Elastic at_once() const;
   bool has_direction() const { return fibre.any() || has_families(law); }
   bool is_smoothed() const { return element == ElementType::edge_smoothed; }
   double nodal_lambda() const { return nodal_pressure * lambda; }    // χλ [Pa]
@@ -61,8 +76,17 @@ struct Elastic {
   static constexpr auto fields =
       std::tuple(&Elastic::lambda, &Elastic::mu, &Elastic::density, &Elastic::nodal_pressure, &Elastic::law,
                  &Elastic::element, &Elastic::fibre, &Elastic::fracture_energy, &Elastic::further,
-                 &Elastic::fibre_angle, &Elastic::fibre_plane);
+                 &Elastic::fibre_angle, &Elastic::fibre_plane, &Elastic::viscosity);
 };
+
+inline Elastic Elastic::at_once() const {
+  Elastic stiff = *this;
+  if (!is_viscous()) return stiff;
+  const double K = (lambda + 2 * mu / 3) * lobe::at_once(prony_series(), &PronyTerm::bulk);
+  stiff.mu = mu * lobe::at_once(prony_series(), &PronyTerm::shear);
+  stiff.lambda = K - 2 * stiff.mu / 3;
+  return stiff;
+}
 
 inline bool any_nodal_pressure(const std::vector<Elastic>& materials) {
   return std::any_of(materials.begin(), materials.end(),
@@ -75,6 +99,10 @@ inline bool any_smoothed(const std::vector<Elastic>& materials) {
 // Whether the energy has averages of several tetrahedra.
 inline bool any_averages(const std::vector<Elastic>& materials) {
   return any_nodal_pressure(materials) || any_smoothed(materials);
+}
+
+inline bool any_viscous(const std::vector<Elastic>& materials) {
+  return std::any_of(materials.begin(), materials.end(), [](const Elastic& e) { return e.is_viscous(); });
 }
 
 inline bool any_fibre(const std::vector<Elastic>& materials) {

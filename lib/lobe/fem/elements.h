@@ -57,6 +57,7 @@ struct RegionEdit {
   std::vector<Index> entered;   // alive tetrahedra that are new, or changed corners, share or region
   std::vector<Index> vertices;  // all vertices, old and new, of these; sorted
   std::vector<std::pair<Index, Index>> copied;  // vertices and their copies, which start where these were
+  std::vector<std::pair<Index, Index>> copied_tets = {};  // tetrahedra and their copies, alike
 };
 
 // Upper triangle (xx, xy, xz, yy, yz, zz) of the 3 × 3 stiffness that each vertex feels when it moves while

@@ -11,11 +11,12 @@
 //   E − A(t + h/2) = d² (E − A(t − h/2))
 // It is of order 2, is stable for every h/τ, and never stiffer than at once.
 //
-// No region evaluates it yet: a scene has no key for it.
+// The law of a material may be any (law.h). Its branches are the same, with λ and μ those of small strains.
 #pragma once
 
 #include <cmath>
 #include <span>
+#include <tuple>
 
 #include "lobe/types.h"
 
@@ -24,15 +25,22 @@ namespace lobe {
 struct PronyTerm {
   double shear = 0;  // share of the shear modulus at once that relaxes
   double bulk = 0;   // share of the bulk modulus at once that relaxes
-  double time = 0;   // τ [s]
+  double time = 0;   // τ [s]; 0: there is no term
+
+  bool operator==(const PronyTerm&) const = default;
+  static constexpr auto fields = std::tuple(&PronyTerm::shear, &PronyTerm::bulk, &PronyTerm::time);
 };
+inline constexpr std::size_t most_prony_terms = 3;  // of a material
 
 // What is wrong with the series; empty: nothing.
 inline const char* prony_fault(std::span<const PronyTerm> series) {
   double shear = 0, bulk = 0;
+  if (series.size() > most_prony_terms) return "a Prony series has at most 3 terms";
   for (const PronyTerm& term : series) {
     if (!(term.time > 0 && std::isfinite(term.time))) return "a time of a Prony series must be above 0";
     if (!(term.shear >= 0 && term.bulk >= 0)) return "a share of a Prony series must be at least 0";
+    if (term.shear == 0 && term.bulk == 0)
+      return "a term of a Prony series needs a share of shear or of bulk";
     shear += term.shear;
     bulk += term.bulk;
   }

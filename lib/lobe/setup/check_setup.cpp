@@ -76,6 +76,8 @@ void Checker::check_materials() {
            "a material needs finite mu > 0, 3 lambda + 2 mu > 0 and density > 0");
     expect(e.nodal_pressure >= 0 && e.nodal_pressure <= 1, "nodal_pressure must be in [0, 1]");
     expect(law_fault(e).empty(), law_fault(e));
+    const std::string fault = viscosity_fault(e);
+    expect(fault.empty(), fault);
     expect(e.nodal_pressure == 0 || e.lambda >= 0, "nodal_pressure needs lambda of at least 0: set it to 0");
   }
   expect(std::all_of(setup_.material_of.begin(), setup_.material_of.end(),

@@ -4,6 +4,7 @@
 #include "lobe/fem/law.h"
 #include "lobe/region/compiled_terms.h"
 #include "lobe/region/domain_lanes.h"
+#include "lobe/region/viscous_lanes.h"
 
 namespace lobe::LOBE_KERNELS {
 namespace {
@@ -123,24 +124,32 @@ LOBE_FLATTEN [[gnu::noinline]] void find_tet_forces(const SmoothedArrays<Real>& 
   for (Index j = block.places + 3; j < block.vertices; ++j) f[j] = Vec3<T>::Constant(T(0));
 }
 
+// Which stress the domains of a kernel have.
+enum class StressOf { small_strain, law, law_and_branches };
+
 // The kernels are flattened (LOBE_FLATTEN): all formulas inline, however often they are used elsewhere. Clang
 // does this with what they call themselves, and not with what that calls.
-template <class Real, Terms terms, Strain strain = Strain::finite>
-LOBE_FLATTEN void add_forces_of(const SmoothedArrays<Real>& patch, Real* sums) {
+template <class Real, Terms terms, StressOf stress = StressOf::law>
+LOBE_FLATTEN void add_forces_of(const SmoothedArrays<Real>& patch, Real* sums,
+                                const ViscousArrays<Real>* viscous = nullptr) {
   using T = Pack<Real>;
   using Lanes = DomainLanes<T>;
   DomainVectors<T> forces(patch, sums);
   Vec3<T> of_tets[domain_rows];
   for (Index b = 0; b < patch.block_count; ++b) {
-    const bool has_tets = strain == Strain::finite && patch.blocks[b].places > 0;
+    const bool has_tets = stress != StressOf::small_strain && patch.blocks[b].places > 0;
     for (int first = 0; first < SmoothedBlock<Real>::width; first += Lanes::count) {
       const Law<T> law = law_of_domains<T>(patch, terms, b, first);
       const Lanes e(patch, b, first);
       Mat3<T> minus_VP;
-      if constexpr (strain == Strain::small)
+      if constexpr (stress == StressOf::small_strain) {
         minus_VP = linear_stress(law.times(-e.V), e.H);
-      else
+      } else if constexpr (stress == StressOf::law) {
         minus_VP = law_stress(law.times(-e.V), e.H);
+      } else {
+        const Mat3<T> S = branch_stress(*viscous, b, first, green_strain(e.H));
+        minus_VP = law_stress_beside<T>(law.times(-e.V), e.H, S * -e.V);
+      }
       if (has_tets) find_tet_forces<T>(patch, b, first, of_tets);
       Vec3<T> of_first = Vec3<T>::Constant(T(0));
       for (Index j = 1; j < e.vertices; ++j) {
@@ -202,8 +211,8 @@ constexpr bool evaluates(const Terms& terms, const Terms& of_law) {
 template <class Real>
 void add_linear_forces(const SmoothedArrays<Real>& patch, Real* f) {
   constexpr Terms with_fibre{.fibre = true};
-  if (patch.law.terms.fibre) return add_forces_of<Real, with_fibre, Strain::small>(patch, f);
-  add_forces_of<Real, Terms{}, Strain::small>(patch, f);
+  if (patch.law.terms.fibre) return add_forces_of<Real, with_fibre, StressOf::small_strain>(patch, f);
+  add_forces_of<Real, Terms{}, StressOf::small_strain>(patch, f);
 }
 
 template <class Real, std::size_t i = 0>
@@ -224,8 +233,51 @@ void add_stiffness(const SmoothedArrays<Real>& patch, StiffnessPart part, Padded
   add_stiffness_of<Real, terms, StiffnessPart::off_diagonal>(patch, &K->xyz0[0]);
 }
 
+// ---- Of materials with a Prony series
+
+template <class Real, std::size_t i = 0>
+void add_viscous_forces(const SmoothedArrays<Real>& patch, const ViscousArrays<Real>& viscous,
+                        PaddedVector<Real>* f) {
+  constexpr Terms terms = viscous_domain_terms[i];
+  if constexpr (i + 1 < std::size(viscous_domain_terms))
+    if (!evaluates(terms, patch.law.terms)) return add_viscous_forces<Real, i + 1>(patch, viscous, f);
+  add_forces_of<Real, terms, StressOf::law_and_branches>(patch, &f->xyz0[0], &viscous);
+}
+
+template <class Real, StiffnessPart part>
+LOBE_FLATTEN void add_viscous_stiffness_of(const SmoothedArrays<Real>& patch,
+                                           const ViscousArrays<Real>& viscous, Real* sums) {
+  using T = Pack<Real>;
+  using Lanes = DomainLanes<T>;
+  DomainVectors<T> entries(patch, sums);
+  for (Index b = 0; b < patch.block_count; ++b) {
+    for (int first = 0; first < SmoothedBlock<Real>::width; first += Lanes::count) {
+      const Lanes e(patch, b, first);
+      const BranchesAtOnce<T> branches(viscous, b, first);
+      for (Index i = 1; i <= e.vertices; ++i) {
+        const Index j = i < e.vertices ? i : 0;
+        const Mat3<T> K = branches.diagonal_block(e.H, j > 0 ? e.gradient(j) : e.first_gradient());
+        entries.add(b, j, first, entries_of<part, T>(K) * e.V);
+      }
+    }
+    entries.end(b);
+  }
+}
+
+template <class Real>
+void add_viscous_stiffness(const SmoothedArrays<Real>& patch, const ViscousArrays<Real>& viscous,
+                           StiffnessPart part, PaddedVector<Real>* K) {
+  if (part == StiffnessPart::diagonal)
+    return add_viscous_stiffness_of<Real, StiffnessPart::diagonal>(patch, viscous, &K->xyz0[0]);
+  add_viscous_stiffness_of<Real, StiffnessPart::off_diagonal>(patch, viscous, &K->xyz0[0]);
+}
+
 }  // namespace
 
+extern const ViscousDomainKernels<float> viscous_domain_single_kernels{add_viscous_forces<float>,
+                                                                       add_viscous_stiffness<float>};
+extern const ViscousDomainKernels<double> viscous_domain_double_kernels{add_viscous_forces<double>,
+                                                                        add_viscous_stiffness<double>};
 extern const SmoothedKernels<float> smoothed_single_kernels{add_forces<float>, find_gradients<float>,
                                                             add_stiffness<float>};
 extern const SmoothedKernels<double> smoothed_double_kernels{add_forces<double>, find_gradients<double>,

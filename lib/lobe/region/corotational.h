@@ -17,8 +17,8 @@ class CorotationalRegion {
       : elements_(set), smoothed_(set) {}
 
   void follow(const Elements& elements, const RegionEdit& edit) {
-    elements_.follow(elements, edit.left, edit.entered, model);
-    smoothed_.follow(elements, edit.left, edit.entered, model);
+    elements_.follow(elements, edit.left, edit.entered, model, edit.copied_tets);
+    smoothed_.follow(elements, edit.left, edit.entered, model, edit.copied_tets);
   }
   Index tet_count() const { return elements_.tet_count(); }
   void add_forces(const Mat3X<Real>& u,  // 3 × #vertices [m]
@@ -32,6 +32,16 @@ class CorotationalRegion {
   void visit_patches(Visit&& visit) {
     elements_.visit_patches(visit);
     smoothed_.visit_patches(visit);
+  }
+  template <class Visit>  // visit(patches), of plain and of smoothed tetrahedra with their dashpots
+  void visit_viscous(Visit&& visit) {
+    visit(elements_);
+    visit(smoothed_);
+  }
+  template <class Visit>
+  void visit_viscous(Visit&& visit) const {
+    visit(elements_);
+    visit(smoothed_);
   }
   double energy(const Mat3X<Real>& u) { return elements_.energy(u) + smoothed_.energy(u); }  // [J]
   SmallestVolumeRatio add_diagonal_stiffness(const Mat3X<Real>& u, DiagonalStiffness& K, Parallel& parallel) {

@@ -16,8 +16,8 @@ class NonlinearRegion {
 
   // Takes the tetrahedra of this model.
   void follow(const Elements& elements, const RegionEdit& edit, RegionModel model = RegionModel::nonlinear) {
-    elements_.follow(elements, edit.left, edit.entered, model);
-    smoothed_.follow(elements, edit.left, edit.entered, model);
+    elements_.follow(elements, edit.left, edit.entered, model, edit.copied_tets);
+    smoothed_.follow(elements, edit.left, edit.entered, model, edit.copied_tets);
   }
 
   Index tet_count() const { return elements_.tet_count(); }
@@ -34,6 +34,16 @@ class NonlinearRegion {
     smoothed_.visit_patches(visit);
   }
 
+  template <class Visit>  // visit(patches), of plain and of smoothed tetrahedra with their dashpots
+  void visit_viscous(Visit&& visit) {
+    visit(elements_);
+    visit(smoothed_);
+  }
+  template <class Visit>
+  void visit_viscous(Visit&& visit) const {
+    visit(elements_);
+    visit(smoothed_);
+  }
   double energy(const Mat3X<Real>& u) { return elements_.energy(u) + smoothed_.energy(u); }  // [J]
 
   typename Patches<Real>::Stiffness add_diagonal_stiffness(const Mat3X<Real>& u, DiagonalStiffness& K,

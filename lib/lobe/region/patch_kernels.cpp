@@ -5,6 +5,7 @@
 #include "lobe/fem/law.h"
 #include "lobe/region/element_lanes.h"
 #include "lobe/region/patches.h"
+#include "lobe/region/viscous_lanes.h"
 
 namespace lobe {
 
@@ -48,6 +49,8 @@ void Patches<Real>::add_forces(const Mat3X<Real>& u, Mat3X<Real>& f, Parallel& p
                    [&](Index p, const LocalVectors& local, PaddedVector<Real>* sums) {
                      const PatchArrays<Real> patch = arrays(p, local);
                      if (is_of_domains(patch.law)) return;
+                     if (const std::uint16_t kind = layout_.patch(p).kind; viscosity_.terms(kind) > 0)
+                       return viscous_kernels_.add_forces(patch, viscosity_.arrays(p, kind), sums);
                      const Guarding guarding = patch.law.terms.guard ? Guarding::asked : Guarding::off;
                      const Real smallest = kernels_.add_forces(patch, guarding, sums);
                      if (smallest >= Real(1.01f) * patch.law.guard_threshold) return;
@@ -82,7 +85,11 @@ double Patches<Real>::energy(const Mat3X<Real>& u) {
     if (nodal_pressure_)
       law.pressure = e.pressure(patch.pressure_blocks[block], slot % width, patch.pressure);
     if (law.terms.has_direction()) law.direction = e.direction(patch.fibre_blocks[block], slot % width);
-    const T W = law_energy_density(law, e.H) * e.V;
+    T W = law_energy_density(law, e.H);
+    const Index p = slot / Layout::capacity;
+    if (const std::uint16_t kind = layout_.patch(p).kind; viscosity_.terms(kind) > 0)
+      W += branch_energy(viscosity_.arrays(p, kind), block, slot % width, green_strain(e.H));
+    W *= e.V;
     for (int lane = 0; lane < used; ++lane) sum += double(Real(W[lane]));
     return true;
   };
@@ -141,7 +148,10 @@ typename Patches<Real>::Stiffness Patches<Real>::add_diagonal_stiffness(const Ma
     entries.setZero();
     sums_.add_forces(layout_, u, entries, parallel,
                      [&](Index p, const LocalVectors& local, PaddedVector<Real>* sums) {
-                       ratios_[p] = kernels_.add_stiffness(arrays(p, local), part, sums);
+                       const PatchArrays<Real> patch = arrays(p, local);
+                       ratios_[p] = kernels_.add_stiffness(patch, part, sums);
+                       if (const std::uint16_t kind = layout_.patch(p).kind; viscosity_.terms(kind) > 0)
+                         viscous_kernels_.add_stiffness(patch, viscosity_.arrays(p, kind), part, sums);
                      });
     const std::array<int, 3> rows =
         part == StiffnessPart::diagonal ? std::array{0, 3, 5} : std::array{1, 2, 4};

@@ -53,7 +53,8 @@ class PatchLayout {
   Index item_count() const { return item_count_; }
   Index patch_count() const { return static_cast<Index>(patches_.size()); }
   const Patch& patch(Index p) const { return patches_[p]; }
-  Index slot_of(Index id) const { return slot_of_[id]; }  // −1 if it is in no patch
+  Index id_count() const { return static_cast<Index>(slot_of_.size()); }  // those in no patch included
+  Index slot_of(Index id) const { return slot_of_[id]; }                  // −1 if it is in no patch
   Index id_of(Index slot) const { return id_of_[slot]; }
 
   // Vertices by the patch's numbers; any vertex where a number is not in use.

@@ -10,11 +10,12 @@ namespace lobe {
 
 template <class Real>
 void Patches<Real>::follow(const Elements& elements, const std::vector<Index>& leave,
-                           const std::vector<Index>& enter, RegionModel model) {
+                           const std::vector<Index>& enter, RegionModel model, const TetPairs& copied) {
   set_laws(elements, model);
   const std::vector<Layout::Item> items = items_of(model, elements, enter);
   if (items.empty() && tet_count() == 0) return;  // without tetrahedra no memory is needed
   layout_.resize(elements.topology.vertex_count(), elements.topology.tet_count());
+  const Histories histories = histories_of(leave);
   const auto entering = layout_.keep(items, [this](Index slot) { return corners_in(slot); });
   for (Index t : leave)
     if (layout_.must_leave(t)) remove(t);
@@ -31,6 +32,7 @@ void Patches<Real>::follow(const Elements& elements, const std::vector<Index>& l
     slopes_.resize(3, 4 * Eigen::Index(elements.topology.tet_count()));
   }
   for (const Layout::Item& item : items) write(elements, item);
+  if (viscosity_.any()) take_histories(items, histories, copied);
 }
 
 template <class Real>
@@ -41,6 +43,7 @@ void Patches<Real>::set_laws(const Elements& elements, RegionModel model) {
     return laws_[material].terms.solid != MaterialLaw::corotational &&
            !elements.materials[material].is_smoothed();
   };
+  viscosity_.set_materials(elements.materials, [](const Elastic& e) { return !e.is_smoothed(); });
   nodal_pressure_ = fibres_ = false;
   for (std::size_t i = 0; i < laws_.size(); ++i) {
     nodal_pressure_ = nodal_pressure_ || (is_averaged(i) && elements.materials[i].nodal_lambda() > 0);
@@ -89,6 +92,9 @@ void Patches<Real>::remove(Index tet) {
 
 template <class Real>
 void Patches<Real>::move(Index from, Index to) {
+  const Index p = to / Layout::capacity;
+  if (viscosity_.has(p))
+    viscosity_.set(p, to % Layout::capacity, viscosity_.strains(p, from % Layout::capacity));
   const int a = from % width, b = to % width;
   const Block& source = blocks_[from / width];
   Block& target = blocks_[to / width];
@@ -112,6 +118,77 @@ void Patches<Real>::clear(Index slot) {
   for (int i = 0; i < 3 && fibres_; ++i) fibre_blocks_[slot / width].direction[i][lane] = 0;
   if (!nodal_pressure_) return;
   for (auto& row : pressure_blocks_[slot / width].nodes) row[lane] = PressureNodes::none;
+}
+
+// ---- The strains of dashpots
+
+// visit(tetrahedron, patch, its lane), by the numbers of tetrahedra.
+template <class Real>
+template <class Visit>
+void Patches<Real>::for_viscous(Visit&& visit) const {
+  for (Index t = 0; t < layout_.id_count(); ++t)
+    if (const Index slot = layout_.slot_of(t); slot >= 0 && viscosity_.has(slot / Layout::capacity))
+      visit(t, slot / Layout::capacity, slot % Layout::capacity);
+}
+
+template <class Real>
+typename Patches<Real>::Histories Patches<Real>::histories_of(const std::vector<Index>& tets) const {
+  Histories histories;
+  for (Index t : tets)
+    if (const Index slot = layout_.slot_of(t); slot >= 0 && viscosity_.has(slot / Layout::capacity))
+      histories[t] = viscosity_.strains(slot / Layout::capacity, slot % Layout::capacity);
+  return histories;
+}
+
+template <class Real>
+void Patches<Real>::take_histories(const std::vector<Layout::Item>& items, const Histories& histories,
+                                   const TetPairs& copied) {
+  const typename Viscosity<Real>::Strains no_strains{};
+  std::unordered_map<Index, Index> source;
+  for (const auto& [tet, copy] : copied) source[copy] = tet;
+  for (const Layout::Item& item : items) {
+    const Index slot = layout_.slot_of(item.id), p = slot / Layout::capacity;
+    viscosity_.fit(p, item.kind, std::size_t(patch_blocks));
+    if (!viscosity_.has(p)) continue;
+    const auto copy = source.find(item.id);
+    const auto known = histories.find(copy == source.end() ? item.id : copy->second);
+    const bool has_history = known != histories.end();
+    viscosity_.set(p, slot % Layout::capacity, has_history ? known->second : no_strains);
+    if (!has_history) without_history_.push_back(item.id);
+  }
+}
+
+template <class Real>
+void Patches<Real>::relax(const Elements& elements, const Mat3X<Real>& u, bool all) {
+  if (all) for_viscous([&](Index t, Index, Index) { without_history_.push_back(t); });
+  for (Index t : without_history_)
+    if (const Index slot = layout_.slot_of(t); slot >= 0)
+      viscosity_.set(slot / Layout::capacity, slot % Layout::capacity, green_strain_of(elements, t, u));
+  without_history_.clear();
+}
+
+template <class Real>
+void Patches<Real>::save(std::vector<Real>& strains) const {
+  for_viscous([&](Index, Index p, Index item) {
+    const auto of_item = viscosity_.strains(p, item);
+    const Index kind = layout_.patch(p).kind;
+    strains.insert(strains.end(), of_item.begin(), of_item.begin() + 6 * viscosity_.terms(kind));
+  });
+}
+
+template <class Real>
+bool Patches<Real>::load(std::span<const Real>& strains) {
+  bool fits = true;
+  for_viscous([&](Index, Index p, Index item) {
+    const auto count = std::size_t(6 * viscosity_.terms(layout_.patch(p).kind));
+    fits = fits && count <= strains.size();
+    if (!fits) return;
+    typename Viscosity<Real>::Strains of_item{};
+    std::copy_n(strains.begin(), count, of_item.begin());
+    viscosity_.set(p, item, of_item);
+    strains = strains.subspan(count);
+  });
+  return fits;
 }
 
 template class Patches<float>;

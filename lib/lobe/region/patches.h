@@ -4,8 +4,13 @@
 // than the tetrahedra. If a material has nodal pressure, a pass over the strains comes first.
 #pragma once
 
+#include <span>
+#include <unordered_map>
+#include <utility>
+
 #include "lobe/region/nodal_pressure.h"
 #include "lobe/region/patch_sums.h"
+#include "lobe/region/viscosity.h"
 #include "lobe/region/wide_kernels.h"
 
 namespace lobe {
@@ -13,10 +18,12 @@ namespace lobe {
 template <class Real>
 class Patches {
  public:
-  explicit Patches(InstructionSet set = chosen_instruction_set()) : kernels_(wide_kernels<Real>(set)) {}
+  explicit Patches(InstructionSet set = chosen_instruction_set())
+      : kernels_(wide_kernels<Real>(set)), viscous_kernels_(viscous_kernels<Real>(set)) {}
 
+  // `copied`: tetrahedra and those that enter as their copies, with the history of their strain.
   void follow(const Elements& elements, const std::vector<Index>& leave, const std::vector<Index>& enter,
-              RegionModel model = RegionModel::nonlinear);
+              RegionModel model = RegionModel::nonlinear, const TetPairs& copied = {});
 
   Index tet_count() const { return layout_.item_count(); }
 
@@ -29,6 +36,15 @@ class Patches {
   void visit_patches(Visit&& visit) {
     visit(layout_, sums_);
   }
+
+  // ---- The strains of dashpots (viscosity.h)
+
+  Viscosity<Real>& viscosity() { return viscosity_; }
+  // Puts those that entered without a history, or all, at rest in their strain.
+  void relax(const Elements& elements, const Mat3X<Real>& u, bool all);
+  void save(std::vector<Real>& strains) const;  // appends them
+  // Takes them from the front. False if there are too few.
+  bool load(std::span<const Real>& strains);
 
   using Stiffness = SmallestVolumeRatio;
   Stiffness add_diagonal_stiffness(const Mat3X<Real>& u, DiagonalStiffness& K, Parallel& parallel);  // at u
@@ -55,7 +71,17 @@ class Patches {
   void move(Index from, Index to);
   void clear(Index slot);
 
+  using Histories = std::unordered_map<Index, typename Viscosity<Real>::Strains>;
+  Histories histories_of(const std::vector<Index>& tets) const;
+  void take_histories(const std::vector<Layout::Item>& items, const Histories& histories,
+                      const TetPairs& copied);
+  template <class Visit>
+  void for_viscous(Visit&& visit) const;
+
   WideKernels<Real> kernels_;
+  ViscousKernels<Real> viscous_kernels_;
+  Viscosity<Real> viscosity_;
+  std::vector<Index> without_history_;  // entered since the last relax()
   Layout layout_;
   std::vector<Law<double>> laws_;  // law of each material
   std::vector<Block> blocks_;      // patch_blocks per patch

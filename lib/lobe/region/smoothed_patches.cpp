@@ -8,6 +8,7 @@
 #include "lobe/fem/law.h"
 #include "lobe/fem/law_of.h"
 #include "lobe/region/domain_lanes.h"
+#include "lobe/region/viscous_lanes.h"
 #include "lobe/sort_unique.h"
 
 namespace lobe {
@@ -38,7 +39,9 @@ std::vector<typename SmoothedPatches<Real>::Layout::Item> SmoothedPatches<Real>:
 
 template <class Real>
 void SmoothedPatches<Real>::follow(const Elements& elements, const std::vector<Index>& leave,
-                                   const std::vector<Index>& enter, RegionModel model) {
+                                   const std::vector<Index>& enter, RegionModel model,
+                                   const TetPairs& copied) {
+  const DomainsOf domains_before = viscosity_.any() ? domains_of(leave) : DomainsOf();
   const std::vector<Index> edges = edges_.follow(elements, leave, enter, model);
   if (edges.empty()) return;
   set_laws(elements, model);
@@ -69,7 +72,16 @@ void SmoothedPatches<Real>::follow(const Elements& elements, const std::vector<I
   patches_.resize(std::size_t(layout_.patch_count()));
   if (nodal_pressure_) gradients_.resize(patches_.size() * patch_blocks);
   sums_.resize(layout_.patch_count());
-  for (Index p : changed) write(elements, p);
+  if (!viscosity_.any()) {
+    for (Index p : changed) write(elements, p);
+    return;
+  }
+  Histories histories = histories_in(changed);
+  inherit(enter, domains_before, copied, histories);
+  for (Index p : changed) {
+    write(elements, p);
+    take_histories(p, histories);
+  }
 }
 
 // Volume term and guard are those of tetrahedra: their moduli are here, and not their terms.
@@ -78,6 +90,9 @@ void SmoothedPatches<Real>::set_laws(const Elements& elements, RegionModel model
   fibres_ = any_fibre(elements.materials);
   laws_.clear();
   has_tets_ = nodal_pressure_ = false;
+  viscosity_.set_materials(elements.materials, [&](const Elastic& elastic) {
+    return elastic.is_smoothed() && strain_ == Strain::finite;
+  });
   for (const Elastic& elastic : elements.materials) {
     Law<double>& law = laws_.emplace_back(linear_law(elastic));
     if (strain_ == Strain::small) continue;
@@ -230,7 +245,9 @@ void SmoothedPatches<Real>::add_forces(const Mat3X<Real>& u, Mat3X<Real>& f, Par
   if (nodal_pressure_) find_pressures(u, parallel);
   sums_.add_forces(layout_, u, f, parallel,
                    [&](Index p, const LocalVectors& local, PaddedVector<Real>* sums) {
-                     kernels_.add_forces(arrays(p, local), sums);
+                     const std::uint16_t kind = layout_.patch(p).kind;
+                     if (viscosity_.terms(kind) == 0) return kernels_.add_forces(arrays(p, local), sums);
+                     viscous_kernels_.add_forces(arrays(p, local), viscosity_.arrays(p, kind), sums);
                    });
 }
 
@@ -249,8 +266,10 @@ double SmoothedPatches<Real>::energy(const Mat3X<Real>& u) {
       const Index block = i / Block::width, first = i % Block::width;
       const DomainLanes<T> e(patch, block, first);
       const Law<T> law = law_of_domains<T>(patch, patch.law.terms, block, first);
-      const T W =
-          e.V * (strain_ == Strain::finite ? law_energy_density(law, e.H) : linear_energy_density(law, e.H));
+      T W = strain_ == Strain::finite ? law_energy_density(law, e.H) : linear_energy_density(law, e.H);
+      if (const std::uint16_t kind = layout_.patch(p).kind; viscosity_.terms(kind) > 0)
+        W += branch_energy(viscosity_.arrays(p, kind), block, first, green_strain(e.H));
+      W *= e.V;
       for (int lane = 0; lane < DomainLanes<T>::count; ++lane) sum += double(Real(W[lane]));  // 0 if empty
     }
   }
@@ -284,10 +303,13 @@ void SmoothedPatches<Real>::add_diagonal_stiffness(const Mat3X<Real>& at, Diagon
   Mat3X<Real> entries(3, layout_.places().vertex_count());  // of the stiffness per vertex [N/m]
   for (const StiffnessPart part : {StiffnessPart::diagonal, StiffnessPart::off_diagonal}) {
     entries.setZero();
-    sums_.add_forces(layout_, u, entries, parallel,
-                     [&](Index p, const LocalVectors& local, PaddedVector<Real>* sums) {
-                       kernels_.add_stiffness(arrays(p, local), part, sums);
-                     });
+    sums_.add_forces(
+        layout_, u, entries, parallel, [&](Index p, const LocalVectors& local, PaddedVector<Real>* sums) {
+          const std::uint16_t kind = layout_.patch(p).kind;
+          kernels_.add_stiffness(arrays(p, local), part, sums);
+          if (viscosity_.terms(kind) > 0)
+            viscous_kernels_.add_stiffness(arrays(p, local), viscosity_.arrays(p, kind), part, sums);
+        });
     const std::array<int, 3> rows =
         part == StiffnessPart::diagonal ? std::array{0, 3, 5} : std::array{1, 2, 4};
     for (Index v = 0; v < entries.cols(); ++v)
@@ -303,6 +325,113 @@ std::size_t SmoothedPatches<Real>::bytes() const {
   for (const Patch& p : patches_)
     sum += of(p.blocks) + of(p.gradients) + of(p.numbers) + of(p.chains) + of(p.fibres) + of(p.node_rows);
   return sum;
+}
+
+// ---- The strains of dashpots. An edit may give domains other lanes, and other numbers around the copies of
+// vertices: there, a domain has the history of the one that its tetrahedra had at the same edge.
+
+template <class Real>
+typename SmoothedPatches<Real>::DomainsOf SmoothedPatches<Real>::domains_of(
+    const std::vector<Index>& tets) const {
+  DomainsOf domains;
+  for (Index t : tets) domains[t] = edges_.of(t);
+  return domains;
+}
+
+// Of the domains that these patches had before they are written again.
+template <class Real>
+typename SmoothedPatches<Real>::Histories SmoothedPatches<Real>::histories_in(
+    const std::vector<Index>& patches) const {
+  Histories histories;
+  for (Index p : patches) {
+    if (!viscosity_.has(p)) continue;
+    const std::vector<Index>& edges = patches_[p].edges;
+    for (std::size_t i = 0; i < edges.size(); ++i)
+      histories[edges[i]] = viscosity_.strains(p, static_cast<Index>(i));
+  }
+  return histories;
+}
+
+template <class Real>
+void SmoothedPatches<Real>::inherit(const std::vector<Index>& tets, const DomainsOf& before,
+                                    const TetPairs& copied, Histories& histories) const {
+  std::unordered_map<Index, Index> source;
+  for (const auto& [tet, copy] : copied) source[copy] = tet;
+  for (Index t : tets) {
+    const auto copy = source.find(t);
+    const auto former = before.find(copy == source.end() ? t : copy->second);
+    if (former == before.end()) continue;
+    const Eigen::Matrix<Index, 6, 1> now = edges_.of(t);
+    for (int e = 0; e < 6; ++e)
+      if (const auto known = histories.find(former->second[e]); now[e] >= 0 && known != histories.end())
+        histories.try_emplace(now[e], typename Viscosity<Real>::Strains(known->second));
+  }
+}
+
+template <class Real>
+void SmoothedPatches<Real>::take_histories(Index p, const Histories& histories) {
+  viscosity_.fit(p, layout_.patch(p).kind, patches_[p].blocks.size());
+  if (!viscosity_.has(p)) return;
+  const typename Viscosity<Real>::Strains no_strains{};
+  const std::vector<Index>& edges = patches_[p].edges;
+  for (std::size_t i = 0; i < edges.size(); ++i) {
+    const auto known = histories.find(edges[i]);
+    const bool has_history = known != histories.end();
+    viscosity_.set(p, static_cast<Index>(i), has_history ? known->second : no_strains);
+    if (!has_history) without_history_.push_back(edges[i]);
+  }
+}
+
+// visit(domain, patch, its lane), by the numbers of domains.
+template <class Real>
+template <class Visit>
+void SmoothedPatches<Real>::for_viscous(Visit&& visit) const {
+  struct Place {
+    Index p, lane;
+  };
+  std::vector<Place> places(std::size_t(edges_.count()), Place{-1, 0});
+  for (Index p = 0; p < layout_.patch_count(); ++p)
+    for (std::size_t i = 0; i < patches_[p].edges.size() && viscosity_.has(p); ++i)
+      places[patches_[p].edges[i]] = {p, static_cast<Index>(i)};
+  for (Index d = 0; d < edges_.count(); ++d)
+    if (places[d].p >= 0) visit(d, places[d].p, places[d].lane);
+}
+
+template <class Real>
+void SmoothedPatches<Real>::relax(const Elements&, const Mat3X<Real>& u, bool all) {
+  if (without_history_.empty() && !(all && viscosity_.any())) return;
+  std::vector<bool> is_new(std::size_t(edges_.count()), all);
+  for (Index d : without_history_) is_new[d] = true;
+  for_viscous([&](Index d, Index p, Index lane) {
+    if (is_new[d]) viscosity_.set(p, lane, green_strain(displacement_gradient(edges_[d], u)));
+  });
+  without_history_.clear();
+}
+
+template <class Real>
+void SmoothedPatches<Real>::save(std::vector<Real>& strains) const {
+  if (!viscosity_.any()) return;
+  for_viscous([&](Index, Index p, Index lane) {
+    const auto of_item = viscosity_.strains(p, lane);
+    const Index kind = layout_.patch(p).kind;
+    strains.insert(strains.end(), of_item.begin(), of_item.begin() + 6 * viscosity_.terms(kind));
+  });
+}
+
+template <class Real>
+bool SmoothedPatches<Real>::load(std::span<const Real>& strains) {
+  if (!viscosity_.any()) return true;
+  bool fits = true;
+  for_viscous([&](Index, Index p, Index lane) {
+    const auto count = std::size_t(6 * viscosity_.terms(layout_.patch(p).kind));
+    fits = fits && count <= strains.size();
+    if (!fits) return;
+    typename Viscosity<Real>::Strains of_item{};
+    std::copy_n(strains.begin(), count, of_item.begin());
+    viscosity_.set(p, lane, of_item);
+    strains = strains.subspan(count);
+  });
+  return fits;
 }
 
 template class SmoothedPatches<float>;

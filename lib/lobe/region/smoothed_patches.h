@@ -6,10 +6,15 @@
 // it changes again.
 #pragma once
 
+#include <span>
+#include <unordered_map>
+#include <utility>
+
 #include "lobe/region/edge_pressures.h"
 #include "lobe/region/patch_sums.h"
 #include "lobe/region/smoothed_kernels.h"
 #include "lobe/region/tet_owners.h"
+#include "lobe/region/viscosity.h"
 
 namespace lobe {
 
@@ -17,16 +22,26 @@ template <class Real>
 class SmoothedPatches {
  public:
   explicit SmoothedPatches(InstructionSet set = chosen_instruction_set(), Strain strain = Strain::finite)
-      : kernels_(smoothed_kernels<Real>(set)), strain_(strain) {}
+      : kernels_(smoothed_kernels<Real>(set)),
+        viscous_kernels_(viscous_domain_kernels<Real>(set)),
+        strain_(strain) {}
 
   // Takes the tetrahedra of this model. Throws InputError if a domain has more vertices than a patch.
+  // `copied`: tetrahedra and those that enter as their copies, with the history of their strain.
   void follow(const Elements& elements, const std::vector<Index>& leave, const std::vector<Index>& enter,
-              RegionModel model = RegionModel::nonlinear);
+              RegionModel model = RegionModel::nonlinear, const TetPairs& copied = {});
   void add_forces(const Mat3X<Real>& u,  // 3 × #vertices [m]
                   Mat3X<Real>& f,        // 3 × #vertices [N]
                   Parallel& parallel);
   double energy(const Mat3X<Real>& u);                                                          // [J]
   void add_diagonal_stiffness(const Mat3X<Real>& u, DiagonalStiffness& K, Parallel& parallel);  // for u
+
+  // ---- The strains of dashpots (viscosity.h), as in Patches
+
+  Viscosity<Real>& viscosity() { return viscosity_; }
+  void relax(const Elements& elements, const Mat3X<Real>& u, bool all);
+  void save(std::vector<Real>& strains) const;
+  bool load(std::span<const Real>& strains);
 
   std::size_t bytes() const;  // size of the blocks that forces are evaluated from
 
@@ -65,7 +80,20 @@ class SmoothedPatches {
   void find_pressures(const Mat3X<Real>& u, Parallel& parallel);
   std::vector<Mat3<double>> kept_gradients() const;
 
+  using DomainsOf = std::unordered_map<Index, Eigen::Matrix<Index, 6, 1>>;  // of tetrahedra
+  using Histories = std::unordered_map<Index, typename Viscosity<Real>::Strains>;
+  DomainsOf domains_of(const std::vector<Index>& tets) const;
+  Histories histories_in(const std::vector<Index>& patches) const;
+  void inherit(const std::vector<Index>& tets, const DomainsOf& before, const TetPairs& copied,
+               Histories& histories) const;
+  void take_histories(Index p, const Histories& histories);
+  template <class Visit>
+  void for_viscous(Visit&& visit) const;
+
   SmoothedKernels<Real> kernels_;
+  ViscousDomainKernels<Real> viscous_kernels_;
+  Viscosity<Real> viscosity_;
+  std::vector<Index> without_history_;  // domains that are new since the last relax()
   Strain strain_;
   SmoothedEdges edges_;
   bool has_tets_ = false;  // whether tetrahedra have a volume term or a guard; without, no domain owns any

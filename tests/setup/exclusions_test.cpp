@@ -42,6 +42,9 @@ void ask_for(Setup& setup, Option option) {
     case Option::other_law:
       setup.materials[0].law = MaterialLaw::neo_hookean;
       break;
+    case Option::viscous:
+      setup.materials[0].viscosity = {PronyTerm{0.3, 0, 0.1}};
+      break;
     case Option::sleep:
       setup.sleep = 1e-5;
       break;

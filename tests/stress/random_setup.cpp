@@ -1,5 +1,7 @@
 #include "stress/random_setup.h"
 
+#include <algorithm>
+
 #include "lobe/mesh/generators.h"
 #include "lobe/mesh/tet_mesh.h"
 #include "lobe/setup/check_setup.h"
@@ -75,6 +77,17 @@ void choose_motion(Dice& dice, Setup& setup) {
   if (dice.says(0.05)) setup.integrator = Integrator::generalised_alpha;
 }
 
+// The dice are a copy, so that a seed has the rest of its body as before.
+void choose_viscosity(Dice dice, Setup& setup) {
+  const auto may_be_viscous = [](RegionModel model) {
+    return model == RegionModel::nonlinear || model == RegionModel::corotational;
+  };
+  if (!std::all_of(setup.region_of.begin(), setup.region_of.end(), may_be_viscous) || dice.says(0.4)) return;
+  setup.materials[0].viscosity = {PronyTerm{0.3, 0, 0.005}, PronyTerm{0.2, 0, 0.1}};
+  if (dice.says(0.5))
+    setup.materials[1].viscosity = {PronyTerm{0.5, setup.materials[1].nodal_pressure > 0 ? 0 : 0.2, 0.02}};
+}
+
 }  // namespace
 
 RandomSetup random_setup(Dice& dice) {
@@ -85,6 +98,7 @@ RandomSetup random_setup(Dice& dice) {
   choose_regions(dice, found.size, found.setup);
   choose_boundary(dice, found.setup);
   choose_motion(dice, found.setup);
+  choose_viscosity(dice, found.setup);
   return found;
 }
 

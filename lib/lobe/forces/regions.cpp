@@ -110,20 +110,23 @@ void Regions<Real>::add_forces_of_tets(const Mat3X<Real>& u, Mat3X<Real>& f, Par
 }
 
 template <class Real>
-void Regions<Real>::add_forces(const Mat3X<Real>& u, double missing_share, Mat3X<Real>& f,
-                               Parallel& parallel) {
+void Regions<Real>::add_forces(const Mat3X<Real>& u, double missing_share, const ViscousStep& step,
+                               Mat3X<Real>& f, Parallel& parallel) {
+  set_step(step);
   precomputed().add_forces(u, Real(missing_share), f, parallel);
   add_forces_of_tets(u, f, parallel);
 }
 
 template <class Real>
 void Regions<Real>::add_forces_near_rest(const Mat3X<Real>& u, Mat3X<Real>& f, Parallel& parallel) {
+  set_step({});
   add_forces_of_tets(u, f, parallel);
   precomputed().add_stiffness_forces(u, f, parallel);
 }
 
 template <class Real>
 void Regions<Real>::add_tet_forces_near_rest(const Mat3X<Real>& u, Mat3X<Real>& f, Parallel& parallel) {
+  set_step({});
   visit_regions(list_, [&]<FreeRegion<Real> Region>(Region& region) { region.add_forces(u, f, parallel); });
   reduced().add_tet_forces(u, f, parallel);
   precomputed().add_stiffness_forces(u, f, parallel);
@@ -132,6 +135,7 @@ void Regions<Real>::add_tet_forces_near_rest(const Mat3X<Real>& u, Mat3X<Real>& 
 template <class Real>
 void Regions<Real>::add_forces_near(const Mat3X<Real>& u, double missing_share, Mat3X<Real>& f,
                                     Parallel& parallel) {
+  set_step({});
   add_forces_of_tets(u, f, parallel);
   precomputed().add_forces(u, Real(missing_share), f, parallel);
 }
@@ -152,6 +156,7 @@ SmallestVolumeRatio Regions<Real>::add_diagonal_stiffness(const Mat3X<Real>& u, 
 template <class Real>
 ElasticEnergy Regions<Real>::energy(const Elements& elements, const StateColumns<Real>& state) {
   const Mat3X<Real>& u = state.u.padded();
+  set_step({state.velocity_lag, 0, false});
   ElasticEnergy e;
   visit_regions(list_, [&]<FreeRegion<Real> Region>(Region& region) {
     (is_linear(Region::model) ? e.linear : e.nonlinear) += region.energy(u);
@@ -164,6 +169,21 @@ ElasticEnergy Regions<Real>::energy(const Elements& elements, const StateColumns
     e.loads += reduced().energy_of_loads(state.nodes);
   }
   return e;
+}
+
+template <class Real>
+std::vector<Real> Regions<Real>::dashpots() const {
+  std::vector<Real> strains;
+  visit_viscous([&](const auto& patches) { patches.save(strains); });
+  return strains;
+}
+
+template <class Real>
+bool Regions<Real>::set_dashpots(const std::vector<Real>& strains) {
+  std::span<const Real> left = strains;
+  bool fits = true;
+  visit_viscous([&](auto& patches) { fits = fits && patches.load(left); });
+  return fits && left.empty();
 }
 
 template <class Real>

@@ -140,6 +140,21 @@ class Regions {
   State state(const Motion<Real>& motion) const { return reduced().state(motion); }
   bool fits(const State& state, const Elements& elements) const { return reduced().fits(state, elements); }
 
+  // ---- Viscosity: the strains of the dashpots of a Prony series (region/viscosity.h)
+
+  // Puts what entered in an edit without a history, or all, at rest in its strain.
+  void relax_entered(const Elements& elements, const Mat3X<Real>& u) { relax(elements, u, false); }
+  void relax_all(const Elements& elements, const Mat3X<Real>& u) { relax(elements, u, true); }
+  // Before steps that may be taken back, and if they are.
+  void keep_dashpots() {
+    visit_viscous([](auto& patches) { patches.viscosity().keep(); });
+  }
+  void take_back_dashpots() {
+    visit_viscous([](auto& patches) { patches.viscosity().take_back(); });
+  }
+  std::vector<Real> dashpots() const;                   // part of a checkpoint
+  bool set_dashpots(const std::vector<Real>& strains);  // false if they are those of another body
+
   // ---- Forces and energies. `missing_share`: share of the dead loads that does not act yet.
 
   // begin_forces() comes before forces are added: it places what follows others where forces read it, with
@@ -151,10 +166,10 @@ class Regions {
     if (any_embedded()) reduced().collect(missing_share, motion, parallel);
   }
 
-  void add_forces(const Mat3X<Real>& u, double missing_share, Mat3X<Real>& f,
+  void add_forces(const Mat3X<Real>& u, double missing_share, const ViscousStep& step, Mat3X<Real>& f,
                   Parallel& parallel);  // 3 × #vertices [N]
   // Forces of which differences are taken, for small changes of u: from rest, without loads; and from any
-  // state.
+  // state. What is viscous answers at once.
   void add_forces_near_rest(const Mat3X<Real>& u, Mat3X<Real>& f, Parallel& parallel);
   void add_forces_near(const Mat3X<Real>& u, double missing_share, Mat3X<Real>& f, Parallel& parallel);
   // The forces of all tetrahedra, as if no vertex were embedded.
@@ -188,6 +203,22 @@ class Regions {
   }
 
  private:
+  template <class Visit>
+  void visit_viscous(Visit&& visit) {
+    visit_regions(
+        list_, [&](auto& region) -> decltype(region.visit_viscous(visit)) { region.visit_viscous(visit); });
+  }
+  template <class Visit>
+  void visit_viscous(Visit&& visit) const {
+    visit_regions(
+        list_, [&](auto& region) -> decltype(region.visit_viscous(visit)) { region.visit_viscous(visit); });
+  }
+  void relax(const Elements& elements, const Mat3X<Real>& u, bool all) {
+    visit_viscous([&](auto& patches) { patches.relax(elements, u, all); });
+  }
+  void set_step(const ViscousStep& step) {
+    visit_viscous([&](auto& patches) { patches.viscosity().set_step(step); });
+  }
   void add_forces_of_tets(const Mat3X<Real>& u, Mat3X<Real>& f, Parallel& parallel);
 
   RegionList<Real> list_;

@@ -187,7 +187,7 @@ Mat3<double> clamped_to(const Mat3<double>& K, const Mat3<double>& A, double lea
 double highest_eigenvalue(const Mat3<double>& K) { return symmetric_eigenvalues(K)[2]; }
 
 double shear_speed(const Elements& elements, Index tet) {
-  const Elastic& elastic = elements.elastic_of(tet);
+  const Elastic elastic = elements.elastic_of(tet).at_once();
   return std::sqrt(elastic.mu / elastic.density);
 }
 

@@ -146,7 +146,8 @@ ExpectedStiffness expected_of(const World<Real>& world, const Felt& felt, const 
   if (felt.probe->kind != Shape::sphere && felt.probe->kind != Shape::capsule) return expected;
   const auto around = world.elements().topology.around(contact.front());
   if (!around.empty())
-    expected.most = hertz_stiffness(world.elements().elastic_of(around.front()), felt.radius, *depth);
+    expected.most =
+        hertz_stiffness(world.elements().elastic_of(around.front()).at_once(), felt.radius, *depth);
   return expected;
 }
 

@@ -21,6 +21,7 @@ RegionEdit region_edit_of(const MeshEdit& cut, const Topology& topology, Index v
     edit.copied.emplace_back(split.vertex, split.copy);
   }
   for (const TetShare& tet_share : cut.shares) edit.entered.push_back(tet_share.tet);
+  for (const TetCopy& copy : cut.copies) edit.copied_tets.emplace_back(copy.tet, copy.copy);
   for (Index v = vertices_before; v < topology.vertex_count(); ++v) edit.vertices.push_back(v);
   sort_unique(edit.entered);
   edit.left.insert(edit.left.end(), edit.entered.begin(), edit.entered.end());
@@ -123,6 +124,7 @@ template <class Real>
 void Organ<Real>::follow_regions(RegionEdit& edit) {
   add_unsupported(edit);
   body_.regions.follow(elements(), edit);
+  body_.regions.relax_entered(elements(), body_.motion.u.padded());
   update_vertices_apart(edit.vertices);
   const std::vector<Index> mechanism = body_.regions.follow_condensed(body_.model, edit, body_.loads);
   if (body_.regions.is_expanded()) {

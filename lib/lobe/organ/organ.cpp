@@ -122,6 +122,7 @@ void Organ<Real>::set_state(const State<Real>& state) {
   motion.time = state.time;
   motion.velocity_lag = implicit_ ? 0 : state.velocity_lag;
   body_.regions.reduced().settle_all(elements(), limit_.highest_at_rest(), motion);
+  body_.regions.relax_all(elements(), motion.u.padded());
   body_.state_was_replaced();
   body_.sleep.wake_all(state.time);
   limit_.restart(body_);

@@ -7,6 +7,7 @@ namespace {
 
 constexpr Option precomputed = option_of(RegionModel::precomputed);
 constexpr Option reduced = option_of(RegionModel::reduced);
+constexpr Option tensor_mass = option_of(RegionModel::tensor_mass);
 constexpr Option corotational = option_of(RegionModel::corotational);
 
 constexpr Exclusion table[] = {
@@ -41,6 +42,16 @@ constexpr Exclusion table[] = {
     {reduced, Option::selective_mass, "selective masses couple vertices, not nodes", "leave one of them out"},
     {reduced, Option::nodal_pressure, "a cell of the lattice has no nodal pressure", "leave one of them out"},
     {reduced, Option::fibres, "a cell has no direction of fibres", "use \"nonlinear\""},
+    {Option::viscous, precomputed, "a condensed stiffness has no strains that could relax",
+     "use \"nonlinear\" or \"corotational\""},
+    {Option::viscous, reduced, "a cell of the lattice has no strain of its own that could relax",
+     "use \"nonlinear\" or \"corotational\""},
+    {Option::viscous, tensor_mass, "edges have no strain that could relax",
+     "use \"nonlinear\" or \"corotational\""},
+    {Option::viscous, Option::automatic, "estimated errors are of elastic regions", "leave one of them out"},
+    {Option::viscous, Option::implicit, "its tangent does not know branches that relax",
+     "use the explicit integrator"},
+    {Option::viscous, Option::sleep, "what is still may go on relaxing", "leave one of them out"},
     {Option::static_solution, Option::corotated, "an equilibrium has no motion that a frame could follow",
      "use \"nonlinear\" or a fixed frame"},
 };
@@ -90,6 +101,8 @@ std::string name(Option option) {
       return "\"integrator\": \"implicit\"";
     case Option::single_precision:
       return "single precision";
+    case Option::viscous:
+      return "\"viscosity\"";
     case Option::partly_held:
       return "\"hold_by\": \"volume\" or \"area\"";
     case Option::static_solution:
@@ -115,6 +128,7 @@ Options options_of(const Setup& setup) {
   used.add(Option::nodal_pressure, any_nodal_pressure(setup.materials));
   used.add(Option::edge_smoothed, any_smoothed(setup.materials));
   used.add(Option::fibres, any_fibre(setup.materials));
+  used.add(Option::viscous, any_viscous(setup.materials));
   used.add(Option::other_law, any_other_law(setup.materials));
   used.add(Option::sleep, setup.sleep > 0);
   used.add(Option::selective_mass, setup.selective_mass > 1);

@@ -14,7 +14,7 @@ namespace lobe {
 namespace {
 
 template <class Real>
-constexpr io::Format format{std::is_same_v<Real, float> ? "lobestaf" : "lobestad", 30,
+constexpr io::Format format{std::is_same_v<Real, float> ? "lobestaf" : "lobestad", 31,
                             std::is_same_v<Real, float> ? "state of a world in single precision"
                                                         : "state of a world in double precision"};
 
@@ -100,6 +100,7 @@ void check_fits(const Checkpoint<Real>& c, const Organ<Real>& organ) {
          "sleeping vertices");
   expect(c.ratios.of_vertex.size() == std::size_t(vertices), "frequencies of other vertices");
   expect(organ.body().regions.fits(c.nodes, organ.elements()), "nodes of regions");
+  expect(c.dashpots.size() == organ.body().regions.dashpots().size(), "dashpots of viscous tetrahedra");
   check_own_terms(c, organ);
   for (Index t : c.unravelling.tets) expect(t >= 0 && std::size_t(t) < tets, "crushed tetrahedra");
   check_held(c, vertices);
@@ -124,6 +125,7 @@ Checkpoint<Real> World<Real>::save() const {
   c.limit.is_new = c.limit.is_new || !organ_.limit().holds(body());
   c.nodes = body().regions.state(body().motion);
   c.mass_degree = body().inertia.degree();
+  c.dashpots = body().regions.dashpots();
   if (organ_.implicit()) c.acceleration = organ_.implicit()->acceleration(body().model);
   c.pending = organ_.unreported().conditions;
   c.transitions = organ_.unreported().transitions;
@@ -186,6 +188,7 @@ void World<Real>::take(const Checkpoint<Real>& c) {
   organ_.unreported().conditions = c.pending;
   organ_.unreported().transitions = c.transitions;
   organ_.wish_memory() = c.wishes;
+  body().regions.set_dashpots(c.dashpots);
   load_terms(c);
   for (Index v = 0; v < elements().topology.vertex_count(); ++v)
     body().inertia.update_inverse(body().model, v);

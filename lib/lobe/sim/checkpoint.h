@@ -30,6 +30,7 @@ struct Checkpoint {
   typename StepLimit<Real>::FrameLimit limit;
   typename Regions<Real>::State nodes;
   int mass_degree = 1;
+  std::vector<Real> dashpots;  // strains of the dashpots of viscous tetrahedra (Regions::dashpots)
   Mat3X<double> acceleration;  // acceleration of implicit dynamics [m/s²]; empty: to be taken from the forces
   std::vector<Condition> pending;
   Transitions transitions;
@@ -45,8 +46,8 @@ struct Checkpoint {
       std::tuple(&Checkpoint::setup, &Checkpoint::state, &Checkpoint::history, &Checkpoint::held,
                  &Checkpoint::tools, &Checkpoint::blades, &Checkpoint::pieces, &Checkpoint::sleep,
                  &Checkpoint::unravelling, &Checkpoint::ratios, &Checkpoint::limit, &Checkpoint::nodes,
-                 &Checkpoint::mass_degree, &Checkpoint::acceleration, &Checkpoint::pending,
-                 &Checkpoint::transitions, &Checkpoint::terms, &Checkpoint::wishes);
+                 &Checkpoint::mass_degree, &Checkpoint::dashpots, &Checkpoint::acceleration,
+                 &Checkpoint::pending, &Checkpoint::transitions, &Checkpoint::terms, &Checkpoint::wishes);
 };
 
 // Writes and reads a checkpoint as a file. Reading throws InputError for a file that is damaged, cut off, of

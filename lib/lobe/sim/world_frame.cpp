@@ -110,6 +110,7 @@ template <class Real>
 void go_back(const StateColumns<Real>& state, const Sleep::State& sleep, Dynamics<Real>& body) {
   static_cast<StateColumns<Real>&>(body.motion) = state;
   body.sleep.set_state(sleep);
+  body.regions.take_back_dashpots();
   body.state_was_replaced();
   for (const auto& term : body.terms) term->take_back_steps();
 }
@@ -235,6 +236,7 @@ void World<Real>::advance_to(double end, Report& report) {
   int steps = std::max(1, static_cast<int>(wanted));
   for (const auto& term : body().terms) term->begin_steps();
   StateColumns<Real> start = body().motion;
+  body().regions.keep_dashpots();
   const Sleep::State sleep_at_start = body().sleep.state();
   double step = 0;
   std::string fastest;

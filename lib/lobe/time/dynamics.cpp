@@ -30,13 +30,14 @@ Dynamics<Real>::Dynamics(const Setup& setup, int threads, const Progress& progre
 }
 
 template <class Real>
-void Dynamics<Real>::find_forces(const Kick& kick) {
+void Dynamics<Real>::find_forces(const Kick& kick, const ViscousStep& step) {
   if (const std::vector<Index>* wanted = sleep.begin_forces(*this))
     loads.put_at(*wanted, motion.forces);
   else
     loads.put(motion.time, parallel, motion.forces);
   regions.begin_forces(!terms.empty(), motion, parallel);
-  regions.add_forces(motion.u.padded(), loads.missing_share(motion.time), motion.forces.padded(), parallel);
+  regions.add_forces(motion.u.padded(), loads.missing_share(motion.time), step, motion.forces.padded(),
+                     parallel);
   for (const auto& term : terms) term->add_forces(here(kick), motion.forces.padded());
   regions.end_forces(loads.missing_share(motion.time), motion, parallel);
 }
@@ -151,7 +152,7 @@ void Dynamics<Real>::end_step() {
 template <class Real>
 void Dynamics<Real>::synchronise_velocities() {
   if (motion.velocity_lag == 0) return;
-  find_forces();
+  find_forces({}, {.before = motion.velocity_lag, .follows = true});
   restore_held_components();
   push(std::exchange(motion.velocity_lag, 0), 0);
 }

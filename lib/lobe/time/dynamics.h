@@ -36,7 +36,9 @@ struct Dynamics {
 
   // Computes all forces at the state into motion.forces [N], held vertices included.
   // `kick` says what the step that follows makes of them; none: no step follows.
-  void find_forces(const Kick& kick = {});
+  void find_forces(const Kick& kick = {}) {
+    find_forces(kick, {motion.velocity_lag, kick.dt / 2, kick.dt > 0});
+  }
   // The kick of a step of dt [s] from the present state.
   Kick kick_of(double dt) const {
     const StepFactors<double> step(motion.velocity_lag + dt / 2, dt, damping);
@@ -78,6 +80,10 @@ struct Dynamics {
   // Call it after the state was changed by other means than a step.
   void state_was_replaced();
   void state_has_moved();
+
+ private:
+  // The strains of dashpots are as old as velocities are.
+  void find_forces(const Kick& kick, const ViscousStep& step);
 };
 
 extern template struct Dynamics<float>;

@@ -24,7 +24,7 @@ double largest_stiffness(const Elastic& e, const Mat34<double>& A) {
 }  // namespace
 
 double tet_square(const Elements& elements, Index tet) {
-  const Elastic& e = elements.elastic_of(tet);
+  const Elastic e = elements.elastic_of(tet).at_once();
   return 4 / e.density * largest_stiffness(e, elements.shape_of(tet).gradients);
 }
 

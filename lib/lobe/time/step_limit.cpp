@@ -282,7 +282,7 @@ void StepLimit<Real>::follow(const Body& body, const MeshEdit& edit,
                              const std::vector<double>& shares_before) {
   const Elements& elements = body.model.elements;
   const bool is_local =
-      body.regions.are_all_of_tets() && !any_averages(elements.materials) && body.terms.empty() &&
+      is_sum_of_tets(body) && body.terms.empty() &&
       std::find(edit.removed.begin(), edit.removed.end(), volume_ratio_tet_) == edit.removed.end();
   known_ = is_known(body) && is_local ? Known::followed : Known::nothing;
   if (known_ == Known::nothing) return;

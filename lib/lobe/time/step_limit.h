@@ -152,6 +152,11 @@ class StepLimit {
     return at_rest_[body.regions.mode()][std::size_t(body.inertia.degree_now())];
   }
   static double least_ratio(const Body& body) { return 1.0 / body.inertia.degree_now(); }
+  // Whether the stiffness at a vertex is a sum of what each tetrahedron adds, at its displacements.
+  static bool is_sum_of_tets(const Body& body) {
+    const std::vector<Elastic>& materials = body.model.elements.materials;
+    return body.regions.are_all_of_tets() && !any_averages(materials) && !any_viscous(materials);
+  }
   static CornerStiffness stiffness_of(const Body& body, Index tet);
   void follow_shares(const Body& body, const MeshEdit& edit, const std::vector<double>& shares_before);
 
@@ -176,7 +181,7 @@ class StepLimit {
 template <class Real>
 template <class Change>
 void StepLimit<Real>::follow_region(const Body& body, Index tet, Change&& change) {
-  if (!body.regions.are_all_of_tets() || any_averages(body.model.elements.materials)) forget();
+  if (!is_sum_of_tets(body)) forget();
   if (!is_known(body)) {
     forget();
     return change();

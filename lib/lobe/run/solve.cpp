@@ -79,6 +79,8 @@ RunResult solve_scene(const Scene& scene, const Resolved& resolved, const RunOpt
         std::pair(!scene.attachments.empty(), "attachments")})
     if (any) result.warnings.push_back(std::string(what) + " are ignored in a static solution");
   if (scene.contact.is_on()) result.warnings.push_back("contact is ignored in a static solution");
+  if (any_viscous(resolved.setup.materials))
+    result.warnings.push_back("viscosity is left out of a static solution, which is that after long rest");
   if (!solution.converged) result.warnings.push_back(solution.reason);
   std::error_code error;
   std::filesystem::create_directories(options.directory, error);

@@ -31,6 +31,7 @@ Material with_default_element(const Scene& scene, Material material) {
   }
   if (!material.nodal_pressure) {
     const bool is_averaged = material.element == ElementType::edge_smoothed && locks(material) &&
+                             !elastic_of(material).relaxes_in_volume() &&
                              goes_with(Option::nodal_pressure, used) && !may_be_reduced(scene, used) &&
                              !may_be_precomputed(scene, used);
     material.nodal_pressure = is_averaged ? 1 : 0;

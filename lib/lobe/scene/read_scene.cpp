@@ -95,6 +95,17 @@ void read_law(const json& entry, const std::string& pointer, Material& material)
   }
 }
 
+void read_viscosity(const json& entry, Material& material) {
+  if (!entry.contains("viscosity")) return;
+  std::size_t i = 0;
+  for (const json& given : entry["viscosity"]) {  // at most as many, by the schema
+    PronyTerm& term = material.viscosity[i++];
+    term.time = given["time"];
+    read(given, "shear", term.shear);
+    read(given, "bulk", term.bulk);
+  }
+}
+
 // A material with the keys that its tissue stands for and that it does not have itself.
 json with_tissue(json entry) {
   if (!entry.contains("tissue")) return entry;
@@ -121,6 +132,7 @@ Material read_material(const json& given, const std::string& pointer) {
     material.element =
         entry["element"] == "edge-smoothed" ? ElementType::edge_smoothed : ElementType::tetrahedron;
   read_law(entry, pointer, material);
+  read_viscosity(entry, material);
   read_families(entry, pointer, material);
   if (entry.contains("young_modulus_along")) {
     read_transverse(entry, material);
@@ -136,6 +148,8 @@ Material read_material(const json& given, const std::string& pointer) {
   material.pointer = pointer;
   if (const std::string fault = law_fault(elastic_of(material)); !fault.empty())
     throw InputError({{pointer + "/law", fault}});
+  if (const std::string fault = viscosity_fault(elastic_of(material)); !fault.empty())
+    throw InputError({{pointer + "/viscosity", fault}});
   return material;
 }
 

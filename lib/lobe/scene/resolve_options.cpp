@@ -55,6 +55,9 @@ std::vector<std::string> places_of(const Scene& scene, Option option) {
     case Option::nodal_pressure:
       return places_in(scene.materials, "/materials", "nodal_pressure",
                        [](const Material& material) { return material.nodal_pressure > 0; });
+    case Option::viscous:
+      return places_in(scene.materials, "/materials", "viscosity",
+                       [](const Material& material) { return material.viscosity[0].time > 0; });
     case Option::edge_smoothed:
       return places_in(scene.materials, "/materials", "element", [](const Material& material) {
         return material.element == ElementType::edge_smoothed;

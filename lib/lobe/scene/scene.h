@@ -115,6 +115,7 @@ struct Material {
   std::array<double, 2> further{};      // constants of the law (law_rows)
   double fibre_angle = 0;               // angle of both families of fibres to the direction [degrees]
   std::array<double, 3> fibre_plane{};  // a vector of their plane
+  std::array<PronyTerm, most_prony_terms> viscosity{};  // terms of a Prony series, the first ones
   std::optional<ElementType> element;   // element; without one, and without nodal_pressure: default_element.h
   std::optional<TransverseConstants> transverse;  // constants with fibres, in place of both Lamé coefficients
   std::optional<FibreField> fibre;                // field of fibres, for those constants or for such a law
@@ -129,6 +130,7 @@ inline Elastic elastic_of(const Material& m) {
   elastic.further = m.further;
   elastic.fibre_angle = m.fibre_angle * std::numbers::pi / 180;
   elastic.fibre_plane = m.fibre_plane;
+  elastic.viscosity = m.viscosity;
   if (m.transverse) set_transverse(*m.transverse, elastic);
   return elastic;
 }

@@ -83,6 +83,8 @@ ordered_json summarise_materials(const Scene& scene, const Setup& setup) {
                                        {"expected_sag_m", expected_sag(m, g, box_diagonal(setup.mesh))}});
     if (m.fracture_energy > 0) entry["fracture_energy_J_m2"] = m.fracture_energy;
     if (m.law != MaterialLaw::svk) entry["law"] = law_rows[std::size_t(m.law)].name;
+    for (const PronyTerm& term : m.prony_series())
+      entry["viscosity"].push_back({{"shear", term.shear}, {"bulk", term.bulk}, {"time_s", term.time}});
     if (m.is_smoothed()) entry["element"] = "edge-smoothed";
     if (m.fibre.any()) entry["fibre"] = summarise_fibre(m);
   }

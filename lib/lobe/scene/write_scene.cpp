@@ -56,6 +56,9 @@ ordered_json write(const Material& material) {
     entry["holzapfel_angle"] = material.fibre_angle;
     if (material.fibre_plane != std::array<double, 3>{}) entry["holzapfel_plane"] = material.fibre_plane;
   }
+  for (const PronyTerm& term : material.viscosity)
+    if (term.time > 0)
+      entry["viscosity"].push_back({{"shear", term.shear}, {"bulk", term.bulk}, {"time", term.time}});
   if (material.element)
     entry["element"] = *material.element == ElementType::edge_smoothed ? "edge-smoothed" : "tetrahedron";
   if (material.fibre) entry["fibre"] = std::visit(FibreWriter{}, *material.fibre);

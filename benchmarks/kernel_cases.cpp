@@ -100,6 +100,31 @@ void add_svk(std::vector<Kernel>& kernels, const SpecimenPointer& specimen, cons
                    block_bytes<Real> + 4 * sizeof(Index), specimen->svk_nodal_pressure);
 }
 
+// In no time: dashpots are read and written as in a step, and stay where they are.
+template <class Real>
+void add_viscous(std::vector<Kernel>& kernels, const SpecimenPointer& specimen,
+                 const std::vector<int>& threads) {
+  Elements elements(specimen->setup);
+  const RegionEdit edit = everything(elements);
+  elements.materials[0].viscosity = {prony_terms[0], prony_terms[1]};
+  for (const bool is_smoothed : {false, true}) {
+    if (is_smoothed) elements.materials[0].element = ElementType::edge_smoothed;
+    const auto region = std::make_shared<NonlinearRegion<Real>>();
+    region->follow(elements, edit);
+    double bytes = block_bytes<Real>;
+    region->visit_viscous([&](auto& patches) {
+      patches.viscosity().set_step({.follows = true});
+      if constexpr (requires { patches.bytes(); })
+        if (is_smoothed) bytes = double(patches.bytes()) / elements.topology.tet_count();
+    });
+    std::vector<Real> dashpots;
+    region->visit_viscous([&](const auto& patches) { patches.save(dashpots); });
+    bytes += double(dashpots.size() * sizeof(Real)) / elements.topology.tet_count();
+    add_region<Real>(kernels, is_smoothed ? "svk_smoothed_prony" : "svk_prony", specimen, threads, region,
+                     bytes, is_smoothed ? specimen->svk_smoothed_prony : specimen->svk_prony);
+  }
+}
+
 // Edge-smoothed tetrahedra, alone and with nodal pressure.
 template <class Real>
 void add_smoothed(std::vector<Kernel>& kernels, const SpecimenPointer& specimen,
@@ -330,6 +355,8 @@ Specimen::Specimen(std::string mesh_name, const Setup& body) : mesh(std::move(me
   add_reference_volume_forces(reference, setup.mesh.points + u, volume_penalty, svk_smoothed_volume);
   svk_volume = svk;
   add_reference_volume_forces(reference, setup.mesh.points + u, volume_penalty, svk_volume);
+  svk_prony = 2 * svk;
+  svk_smoothed_prony = 2 * svk_smoothed;
   svk_fibre = svk;
   add_reference_fibre_forces(reference, u, fibre_moduli, fibre_direction, svk_fibre);
   add_reference_neo_hookean_forces(reference, u, neo_hookean);
@@ -345,6 +372,8 @@ std::vector<Kernel> make_kernels(const SpecimenPointer& specimen, const std::vec
   add_svk<double>(kernels, specimen, threads);
   add_smoothed<float>(kernels, specimen, threads);
   add_smoothed<double>(kernels, specimen, threads);
+  add_viscous<float>(kernels, specimen, threads);
+  add_viscous<double>(kernels, specimen, threads);
   add_other_laws<float>(kernels, specimen, threads);
   add_other_laws<double>(kernels, specimen, threads);
   add_tensor_mass<float>(kernels, specimen, threads);

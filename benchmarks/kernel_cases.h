@@ -38,8 +38,8 @@ struct Specimen {
   std::vector<ReferenceTet> reference;
   // Forces by the reference kernel [N]; `linear_smoothed` and `corotational_smoothed` by the solvers.
   Mat3X<double> svk, linear, linear_smoothed, svk_volume, svk_nodal_pressure, svk_smoothed,
-      svk_smoothed_volume, svk_smoothed_pressure, svk_fibre, neo_hookean, yeoh, mooney_rivlin, holzapfel,
-      corotational, corotational_smoothed;
+      svk_smoothed_volume, svk_smoothed_pressure, svk_fibre, svk_prony, svk_smoothed_prony, neo_hookean, yeoh,
+      mooney_rivlin, holzapfel, corotational, corotational_smoothed;
 };
 
 // Of svk_fibre: one direction everywhere.
@@ -52,6 +52,8 @@ inline constexpr double mooney_c01 = 2e3;                      // [Pa]
 inline constexpr std::array<double, 2> holzapfel_constants{2e4, 2};
 inline constexpr double holzapfel_angle = 0.6;
 inline constexpr std::array<double, 3> holzapfel_plane{0, 1, -1};
+// Of svk_prony and svk_smoothed_prony: at once the solid is twice as stiff.
+inline constexpr PronyTerm prony_terms[]{{0.3, 0.3, 0.02}, {0.2, 0.2, 0.5}};
 inline constexpr double volume_penalty = 1e5;  // κ of svk_volume [Pa]
 
 struct Kernel {

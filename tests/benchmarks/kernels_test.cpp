@@ -94,12 +94,28 @@ TEST_CASE("lobe bench kernels writes a table of finite positive ratios, a plot s
     if (cells[0] == "reference") CHECK(cells[5] == "1");
     ++rows;
   }
-  CHECK(rows == 2 * (1 + 18 * 2 * 2));
-  CHECK(kernels == std::set<std::string>{"corotational", "corotational_smoothed", "holzapfel",
-                                         "mooney_rivlin", "neo_hookean", "reference", "step", "svk",
-                                         "svk_fibre", "svk_guard", "svk_nodal_pressure", "svk_smoothed",
-                                         "svk_smoothed_pressure", "svk_smoothed_volume", "svk_stored",
-                                         "svk_volume", "tensor_mass", "tensor_mass_smoothed", "yeoh"});
+  CHECK(rows == 2 * (1 + 20 * 2 * 2));
+  CHECK(kernels == std::set<std::string>{"corotational",
+                                         "corotational_smoothed",
+                                         "holzapfel",
+                                         "mooney_rivlin",
+                                         "neo_hookean",
+                                         "reference",
+                                         "step",
+                                         "svk",
+                                         "svk_fibre",
+                                         "svk_guard",
+                                         "svk_nodal_pressure",
+                                         "svk_prony",
+                                         "svk_smoothed",
+                                         "svk_smoothed_pressure",
+                                         "svk_smoothed_prony",
+                                         "svk_smoothed_volume",
+                                         "svk_stored",
+                                         "svk_volume",
+                                         "tensor_mass",
+                                         "tensor_mass_smoothed",
+                                         "yeoh"});
   CHECK(fs::exists(results / "kernels.gp"));
   CHECK(bytes_of(results / "machine.txt").find("threads") != std::string::npos);
 }

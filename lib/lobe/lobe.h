@@ -113,6 +113,10 @@
 //   sleep: the state of parts that do not move, which are not evaluated until they do.
 //   guard: an energy that keeps crushed non-linear tetrahedra from collapsing.
 //   volume ratio: present over rest volume of a tetrahedron; negative if it is inverted.
+//   Prony series: up to three terms, each a share of the moduli at once that relaxes in a time; the
+//     viscosity of a material.
+//   branch: a spring in series with a dashpot beside a solid: one term of a Prony series.
+//   at once: to what is sudden, before anything relaxes; slow moduli are those after long rest.
 //   tangle: neighbouring tetrahedra that are crushed or inverted and keep each other so; the world unravels
 //     it.
 //   surface: the boundary triangles of the tetrahedra, with cut faces; for drawing and contact.

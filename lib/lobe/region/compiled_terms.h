@@ -41,6 +41,13 @@ inline constexpr auto smoothed_terms =
     with_each_law({{}, {.pressure = true}, {.pressure = true, .fibre = true}}, {{}, {.pressure = true}},
                   {.solid = MaterialLaw::corotational});
 
+// The same of tetrahedra and of domains whose material has a Prony series (viscous_kernels.h).
+inline constexpr auto viscous_terms =
+    with_each_law({{}, {.volume = true, .pressure = true}, {.volume = true, .pressure = true, .fibre = true}},
+                  {{.volume = true, .pressure = true}}, {.solid = MaterialLaw::corotational});
+inline constexpr auto viscous_domain_terms = with_each_law(
+    {{}, {.pressure = true, .fibre = true}}, {{.pressure = true}}, {.solid = MaterialLaw::corotational});
+
 // Whether a kernel for these terms can evaluate the law: it is one of the same solid, with at least its other
 // terms. What the law does not have gets the modulus 0. The guard may be in every kernel.
 constexpr bool covers(const Terms& compiled, Terms of_law) {

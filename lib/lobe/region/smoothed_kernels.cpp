@@ -239,7 +239,7 @@ template <class Real, std::size_t i = 0>
 void add_viscous_forces(const SmoothedArrays<Real>& patch, const ViscousArrays<Real>& viscous,
                         PaddedVector<Real>* f) {
   constexpr Terms terms = viscous_domain_terms[i];
-  if constexpr (i + 1 < std::size(viscous_domain_terms))
+  if constexpr (i + 1 < viscous_domain_terms.size())
     if (!evaluates(terms, patch.law.terms)) return add_viscous_forces<Real, i + 1>(patch, viscous, f);
   add_forces_of<Real, terms, StressOf::law_and_branches>(patch, &f->xyz0[0], &viscous);
 }

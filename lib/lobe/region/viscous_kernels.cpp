@@ -1,6 +1,7 @@
 // Compiled once per instruction set, LOBE_KERNELS, which is the namespace that everything here is in.
 #include "lobe/region/viscous_kernels.h"
 
+#include "lobe/region/compiled_terms.h"
 #include "lobe/region/element_lanes.h"
 #include "lobe/region/lane_sums.h"
 #include "lobe/region/viscous_lanes.h"
@@ -42,8 +43,8 @@ template <class Real, std::size_t i = 0>
 void add_viscous_forces(const PatchArrays<Real>& patch, const ViscousArrays<Real>& viscous,
                         PaddedVector<Real>* f) {
   constexpr Terms terms = viscous_terms[i];
-  if constexpr (i + 1 < std::size(viscous_terms))
-    if (!has_all(terms, patch.law.terms)) return add_viscous_forces<Real, i + 1>(patch, viscous, f);
+  if constexpr (i + 1 < viscous_terms.size())
+    if (!covers(terms, patch.law.terms)) return add_viscous_forces<Real, i + 1>(patch, viscous, f);
   if (patch.law.terms.guard) return add_viscous_forces_of<Real, terms, true>(patch, viscous, &f->xyz0[0]);
   add_viscous_forces_of<Real, terms, false>(patch, viscous, &f->xyz0[0]);
 }

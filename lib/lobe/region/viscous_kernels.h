@@ -3,8 +3,6 @@
 // so pay nothing.
 #pragma once
 
-#include <iterator>
-
 #include "lobe/fem/prony.h"
 #include "lobe/region/smoothed_kernels.h"
 
@@ -30,30 +28,6 @@ struct ViscousArrays {            // of one patch
   bool follows;  // whether A is brought to the later time
   std::array<Branch<Real>, most_prony_terms> branches;
 };
-
-// The sums of terms for which they are compiled. What a law does not have of one gets the modulus 0. The
-// guard may be in each.
-inline constexpr Terms viscous_terms[] = {
-    {},
-    {.volume = true, .pressure = true},
-    {.volume = true, .pressure = true, .fibre = true},
-    {.solid = MaterialLaw::neo_hookean, .volume = true, .pressure = true},
-    {.solid = MaterialLaw::yeoh, .volume = true, .pressure = true},
-    {.solid = MaterialLaw::mooney_rivlin, .volume = true, .pressure = true},
-    {.solid = MaterialLaw::holzapfel, .volume = true, .pressure = true},
-    {.solid = MaterialLaw::corotational}};
-// Of domains, whose tetrahedra have the volume term and the guard.
-inline constexpr Terms viscous_domain_terms[] = {{},
-                                                 {.pressure = true, .fibre = true},
-                                                 {.solid = MaterialLaw::neo_hookean, .pressure = true},
-                                                 {.solid = MaterialLaw::yeoh, .pressure = true},
-                                                 {.solid = MaterialLaw::mooney_rivlin, .pressure = true},
-                                                 {.solid = MaterialLaw::holzapfel, .pressure = true},
-                                                 {.solid = MaterialLaw::corotational}};
-[[gnu::always_inline]] constexpr bool has_all(const Terms& compiled, const Terms& of_law) {
-  return compiled.solid == of_law.solid && compiled.volume >= of_law.volume &&
-         compiled.pressure >= of_law.pressure && compiled.fibre >= of_law.fibre;
-}
 
 // As in WideKernels and SmoothedKernels, of the law and all branches. Stiffness is that of the branches
 // alone, at once.

@@ -56,6 +56,18 @@ void print_fibre(std::ostream& out, const ordered_json& fibre) {
       << rounded(fibre["shear_wave_speed_across_m_s"]) << "\n";
 }
 
+void print_viscosity(std::ostream& out, const ordered_json& material) {
+  double relaxing = 0;
+  for (const ordered_json& term : material["viscosity"]) relaxing += term["shear"].get<double>();
+  out << ", relaxing in";
+  const char* between = " ";
+  for (const ordered_json& term : material["viscosity"]) {
+    out << between << rounded(term["time_s"]);
+    between = ", ";
+  }
+  out << " s, in shear at once " << rounded(1 / (1 - relaxing)) << " times as stiff";
+}
+
 void print_materials(std::ostream& out, const ordered_json& materials) {
   for (const ordered_json& m : materials) {
     out << "material   " << m["name"].get<std::string>() << ": " << m["tetrahedra"] << " tetrahedra, E "
@@ -67,6 +79,7 @@ void print_materials(std::ostream& out, const ordered_json& materials) {
       out << ", " << rounded(m["fracture_energy_J_m2"]) << " J/m² to cut";
     if (m.contains("law")) out << ", " << m["law"].get<std::string>();
     if (m.contains("element")) out << ", edge-smoothed";
+    if (m.contains("viscosity")) print_viscosity(out, m);
     out << "\n";
     if (m.contains("fibre")) print_fibre(out, m["fibre"]);
   }

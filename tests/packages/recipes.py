@@ -12,7 +12,7 @@ import sys
 LIBRARIES = {
     "CLI11": ("cli11", "cli11"), "Eigen3": ("eigen3", "eigen"), "METIS": ("metis", "metis"),
     "nlohmann_json": ("nlohmann-json", "nlohmann_json"), "pugixml": ("pugixml", "pugixml"), "TBB": ("tbb", "tbb-devel"),
-    "Threads": None, "valijson": ("valijson", "valijson"), "ZLIB": ("zlib", "zlib"),
+    "Threads": None, "ZLIB": ("zlib", "zlib"),
 }
 # What a recipe decides: the parts that need more libraries, or that users of a library do not want.
 DECIDED = {"BENCHMARKS", "C", "CHOLMOD", "EXAMPLES", "MESHING", "PETSC", "PICTURES", "PYTHON", "TESTS", "VIEW"}

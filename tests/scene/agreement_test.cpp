@@ -1,5 +1,5 @@
-// The schema's verdict (valijson) and its wording (explain) agree: on every value of a scene replaced,
-// removed or renamed, one refuses exactly when the other has something to say.
+// explain() agrees with a validator (valijson): on every value of a scene replaced, removed or renamed, one
+// refuses exactly when the other has something to say.
 #include <doctest/doctest.h>
 
 #include <functional>
@@ -8,10 +8,11 @@
 
 #include "lobe/scene/explain.h"
 #include "lobe/scene/schema.h"
-#include "lobe/scene/validate.h"
 #include "scene/scenes.h"
+#include "scene/validator.h"
 
 using namespace lobe;
+using namespace lobe::test;
 using nlohmann::json;
 
 namespace {
@@ -41,6 +42,7 @@ const std::vector<json> replacements = {nullptr,
                                         {1, 2, 3},
                                         {1, 2, 3, 4},
                                         {0, "x", 0},
+                                        {5, 6, 5},
                                         json::object({{"all", true}}),
                                         json::object({{"all", true}, {"label", 1}})};
 
@@ -94,11 +96,21 @@ TEST_CASE("the validator refuses exactly what has an explanation") {
   CHECK(refused < documents);
 }
 
-TEST_CASE("the validator's own messages are never needed, and there is no noise") {
+TEST_CASE("a fault is explained once, without noise") {
   json scene = json::parse(full_scene);
   scene["boundary"][0]["where"]["all_of"][0]["all"] = 3;
   const std::vector<Fault> faults = schema_faults(scene, "scene.json");
   REQUIRE(faults.size() == 1);
   CHECK(faults[0].place == "/boundary/0/where/all_of/0/all");
   CHECK(faults[0].message == "3, must be true");
+}
+
+TEST_CASE("lists without repetitions are so for both") {
+  json scene = json::parse(full_scene);
+  int refused = 0;
+  for (const json& copies : {json{5, 6, 7}, json{5, 6, 5}, json{1, 1.0}, json{1, "1"}}) {
+    scene["tools"][0]["copies"] = copies;
+    compare(scene, refused);
+  }
+  CHECK(refused == 3);
 }

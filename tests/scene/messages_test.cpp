@@ -270,6 +270,8 @@ TEST_CASE("tools need their type's keys and paths that go forward") {
        "/tools/0/path/3/0: time 0.5 goes back (previous 0.7)"},
       {R"({"tools": [{"type": "cautery", "radius": 1, "path": [[0.5, 0, 0, 0], [0.5, 1, 0, 0]]}]})",
        "/tools/0/path/1/0: time 0.5 is given twice; times must increase"},
+      {R"({"tools": [{"type": "grasp", "where": {"all": true}, "copies": [7, 8, 7], "path": [[0, 0, 0, 0]]}]})",
+       "/tools/0/copies/2: 7 is given twice"},
       {R"({"tools": [{"type": "grasp", "where": {"all": true}, "path": [[0, 0, 0, 0]], "release": 1}]})",
        "/tools/0/release: 1, must be a boolean"},
   });

@@ -11,8 +11,8 @@
 #include "lobe/scene/material_constants.h"
 #include "lobe/scene/read_scene.h"
 #include "lobe/scene/schema.h"
-#include "lobe/scene/validate.h"
 #include "near.h"
+#include "scene/validator.h"
 
 using namespace lobe;
 using namespace lobe::test;

@@ -79,11 +79,29 @@ TEST_CASE("a scene built in code is checked like one that was read") {
   scene.gravity[2] = std::numeric_limits<double>::quiet_NaN();
   scene.regions.push_back({"", RegionModel::nonlinear, RegionFrame::fixed, 0, Selector{SelectNot{}}, ""});
   CHECK_THROWS_WITH_AS(check_scene(scene),
-                       "/gravity/2: null, must be a number\n"
+                       "/gravity/2: not a number, must be finite\n"
                        "/materials/0/density: -1.0, must be above 0\n"
                        "/regions/0/where/not: null, must be an object",
                        InputError);
   scene = parse_scene(small_scene);
   scene.materials[0].lame_lambda = -1e5;
   CHECK_THROWS_AS(check_scene(scene), InputError);
+}
+
+TEST_CASE("what no text of a scene can say is refused in a scene built in code") {
+  const double infinite = std::numeric_limits<double>::infinity();
+  Scene scene = parse_scene(small_scene);
+  Boundary& moved = scene.boundary.emplace_back();  // null would let the component slide
+  moved.kind = Boundary::Kind::displacement;
+  moved.value[1] = std::numeric_limits<double>::quiet_NaN();
+  scene.time.sleep = infinite;
+  CHECK_THROWS_WITH_AS(check_scene(scene),
+                       "/boundary/0/displacement/1: not a number, must be finite\n"
+                       "/time/sleep: infinite, must be finite",
+                       InputError);
+  scene = parse_scene(small_scene);
+  Selector inner{SelectAll{}};
+  for (int i = 0; i < 70; ++i) inner = {SelectNot{{inner}}};
+  scene.materials[0].where = inner;
+  CHECK_THROWS_WITH_AS(check_scene(scene), "scene.json: nested more than 64 levels deep", InputError);
 }

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <iterator>
 
+#include "lobe/scene/explain.h"
 #include "lobe/scene/json_text.h"
-#include "lobe/scene/validate.h"
-#include "lobe/scene/write_scene.h"
+#include "lobe/scene/scene_document.h"
 #include "lobe/setup/exclusions.h"
 #include "lobe/text.h"
 
@@ -197,7 +197,7 @@ std::vector<Fault> semantic_faults(const Scene& scene) { return MeaningChecker(s
 
 void check_scene(const Scene& scene) {
   const std::string name = scene.file.empty() ? "scene" : scene.file.string();
-  std::vector<Fault> faults = schema_faults(parse_json(to_json(scene), name), name);
+  std::vector<Fault> faults = schema_faults(write_document(scene), name);
   if (faults.empty()) faults = semantic_faults(scene);
   if (!faults.empty()) throw InputError(std::move(faults));
 }

@@ -1,11 +1,14 @@
 #include "lobe/scene/explain.h"
 
 #include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <set>
 
 #include "lobe/scene/json_text.h"
 #include "lobe/scene/nearest_word.h"
+#include "lobe/scene/schema.h"
 
 namespace lobe {
 namespace {
@@ -58,6 +61,7 @@ class Explainer {
 
   void check(const json& value, const json& schema_or_ref, const std::string& place) {
     const json& schema = resolved(schema_or_ref);
+    if (!is_writable(value, place)) return;
     if (!type_fits(value, schema, place) || !listed_value_fits(value, schema, place)) return;
     if (value.is_number()) check_number(value, schema, place);
     if (value.is_string() && value.get_ref<const std::string&>().size() < schema.value("minLength", 0u)) {
@@ -85,13 +89,27 @@ class Explainer {
     return root_.at(json::json_pointer(ref->get_ref<const std::string&>().substr(1)));
   }
 
+  // Whether JSON text can have it, as parse_json() reads it.
+  bool is_writable(const json& value, const std::string& place) {
+    if (value.is_number_float() && !std::isfinite(value.get<double>())) {
+      add(place,
+          std::string(std::isnan(value.get<double>()) ? "not a number" : "infinite") + ", must be finite");
+      return false;
+    }
+    if (!value.is_structured() ||
+        std::count(place.begin(), place.end(), '/') < std::ptrdiff_t(max_json_depth))
+      return true;
+    add("", "nested more than " + std::to_string(max_json_depth) + " levels deep");
+    return false;
+  }
+
   bool type_fits(const json& value, const json& schema, const std::string& place) {
     const auto type = schema.find("type");
     if (type == schema.end()) return true;
-    const json types = type->is_array() ? *type : json::array({*type});
+    const auto fits = [&](const json& name) { return is_of_type(value, name.get_ref<const std::string&>()); };
+    if (type->is_array() ? std::any_of(type->begin(), type->end(), fits) : fits(*type)) return true;
     std::vector<std::string> names;
-    for (const std::string name : types) {
-      if (is_of_type(value, name)) return true;
+    for (const std::string name : type->is_array() ? *type : json::array({*type})) {
       names.push_back((std::string("aeiou").find(name[0]) == std::string::npos ? "a " : "an ") + name);
     }
     add(place, excerpt(value) + ", must be " + listed(names));
@@ -140,12 +158,20 @@ class Explainer {
                                                        : "at most " + std::to_string(most);
       add(place, std::to_string(array.size()) + " items, must be " + count);
     }
+    if (schema.value("uniqueItems", false)) check_unique(array, place);
     const auto items = schema.find("items");
     if (items == schema.end()) return;
     const std::size_t described = items->is_array() ? std::min(items->size(), array.size()) : array.size();
     for (std::size_t i = 0; i < described; ++i) {
       check(array[i], items->is_array() ? (*items)[i] : *items, child_pointer(place, i));
     }
+  }
+
+  void check_unique(const json& array, const std::string& place) {
+    std::set<json> found;
+    for (std::size_t i = 0; i < array.size(); ++i)
+      if (!found.insert(array[i]).second)
+        add(child_pointer(place, i), excerpt(array[i]) + " is given twice");
   }
 
   void check_object(const json& object, const json& schema, const std::string& place) {
@@ -263,6 +289,14 @@ std::vector<Fault> explain(const nlohmann::json& document, const nlohmann::json&
   Explainer explainer(schema);
   explainer.check(document, schema, "");
   return explainer.take();
+}
+
+std::vector<Fault> schema_faults(const nlohmann::json& document, const std::string& name) {
+  static const json schema = json::parse(scene_schema());
+  std::vector<Fault> faults = explain(document, schema);
+  for (Fault& fault : faults)
+    if (fault.place.empty()) fault.place = name;
+  return faults;
 }
 
 }  // namespace lobe

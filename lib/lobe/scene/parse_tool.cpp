@@ -2,7 +2,7 @@
 
 #include "lobe/error.h"
 #include "lobe/scene/json_text.h"
-#include "lobe/scene/read_scene.h"
+#include "lobe/scene/scene_document.h"
 #include "lobe/scene/tool_kinds.h"
 
 namespace lobe {
@@ -39,7 +39,7 @@ nlohmann::json scene_of(nlohmann::json tool) {
 ParsedTool parse_tool(std::string_view text, const std::filesystem::path& folder) {
   const nlohmann::json document = scene_of(parse_json(text, "tool"));
   try {
-    const Scene scene = parse_scene(document.dump(), folder / "tool.json");
+    const Scene scene = read_document(document, folder / "tool.json");
     const Tool& tool = scene.tools.front();
     const ToolKind& kind = kind_of(tool);
     if (!kind.bring)

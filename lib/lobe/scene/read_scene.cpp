@@ -8,15 +8,16 @@
 #include "lobe/fem/law_fault.h"
 #include "lobe/scene/boundary_keys.h"
 #include "lobe/scene/check_scene.h"
+#include "lobe/scene/explain.h"
 #include "lobe/scene/json_text.h"
 #include "lobe/scene/material_constants.h"
 #include "lobe/scene/read_selector.h"
 #include "lobe/scene/read_shape.h"
 #include "lobe/scene/region_keys.h"
+#include "lobe/scene/scene_document.h"
 #include "lobe/scene/time_keys.h"
 #include "lobe/scene/tissues.h"
 #include "lobe/scene/tool_kinds.h"
-#include "lobe/scene/validate.h"
 
 namespace lobe {
 namespace {
@@ -281,7 +282,10 @@ Scene read_scene(const std::filesystem::path& file) {
 }
 
 Scene parse_scene(std::string_view text, const std::filesystem::path& file) {
-  const json document = parse_json(text, file.string());
+  return read_document(parse_json(text, file.string()), file);
+}
+
+Scene read_document(const json& document, const std::filesystem::path& file) {
   std::vector<Fault> faults = schema_faults(document, file.string());
   if (!faults.empty()) throw InputError(std::move(faults));
   Scene scene = from_document(document);

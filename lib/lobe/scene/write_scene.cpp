@@ -3,6 +3,7 @@
 #include "lobe/scene/boundary_keys.h"
 #include "lobe/scene/read_shape.h"
 #include "lobe/scene/region_keys.h"
+#include "lobe/scene/scene_document.h"
 #include "lobe/scene/time_keys.h"
 #include "lobe/scene/tool_kinds.h"
 
@@ -120,7 +121,7 @@ ordered_json write_contact(const Scene& scene) {
 
 }  // namespace
 
-std::string to_json(const Scene& scene) {
+ordered_json write_document(const Scene& scene) {
   static constexpr const char* pieces[] = {"fall", "vanish", "stay"};
   ordered_json document;
   document["name"] = scene.name;
@@ -147,7 +148,11 @@ std::string to_json(const Scene& scene) {
   document["skin"] = utf8(scene.skin);
   document["time"] = keys::write_value(scene.time);
   document["output"] = keys::write_value(scene.output);
-  return document.dump(2, ' ', false, ordered_json::error_handler_t::replace);
+  return document;
+}
+
+std::string to_json(const Scene& scene) {
+  return write_document(scene).dump(2, ' ', false, ordered_json::error_handler_t::replace);
 }
 
 }  // namespace lobe

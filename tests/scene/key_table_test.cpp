@@ -9,6 +9,7 @@
 #include "lobe/scene/boundary_keys.h"
 #include "lobe/scene/region_keys.h"
 #include "lobe/scene/schema.h"
+#include "lobe/scene/selector_keys.h"
 #include "lobe/scene/time_keys.h"
 #include "pages.h"
 #include "scene/schema_of_keys.h"
@@ -33,6 +34,7 @@ struct Tables {
 };
 using All = Tables<SceneBody, Region, AutoRegions, SceneGesture, SceneThread, SceneStitch, SceneTie,
                    SceneAttachment, SceneBed, SceneLigament, Time, Output>;
+using ByExample = Tables<Selector>;  // which the pages show by examples
 
 }  // namespace
 
@@ -40,11 +42,13 @@ using All = Tables<SceneBody, Region, AutoRegions, SceneGesture, SceneThread, Sc
 TEST_CASE("the schema has what the tables of keys say") {
   const ordered_json file = ordered_json::parse(scene_schema());
   ordered_json renewed = file;
-  All::for_each_schema([&](const std::string& name, const ordered_json& schema) {
+  const auto compare = [&](const std::string& name, const ordered_json& schema) {
     CAPTURE(name);
     CHECK(file["definitions"][name] == schema);
     renewed["definitions"][name] = schema;
-  });
+  };
+  All::for_each_schema(compare);
+  ByExample::for_each_schema(compare);
   CHECK(std::string(scene_schema()) == as_text(renewed) + "\n");
   if (std::getenv("LOBE_RENEW"))
     std::ofstream(LOBE_DOCS_DIR "/../lib/lobe/scene/scene.schema.json") << as_text(renewed) << "\n";

@@ -57,23 +57,26 @@ ordered_json one_or_list() {
   }
 }
 
+template <class Struct>
+ordered_json schema_of();
+
 template <class Value>
 ordered_json schema_of_value(const Takes& takes) {
   ordered_json schema = {{"type", "string"}};
-  if constexpr (keys::HasKeys<Value>)
-    return reference(keys::table_of<Value>.definition);
-  else if constexpr (std::same_as<Value, keys::True>)
+  if (*takes.schema) return ordered_json::parse(takes.schema);
+  if constexpr (keys::HasForm<Value>) {
+    schema = ordered_json::parse(keys::Form<Value>::schema);
+    if (takes.least_items > 0) schema["minLength"] = takes.least_items;
+    return schema;
+  } else if constexpr (keys::HasKeys<Value>)
+    return *keys::table_of<Value>.definition ? reference(keys::table_of<Value>.definition)
+                                             : schema_of<Value>();
+  else if constexpr (std::is_empty_v<Value> && !keys::HasWords<Value>)
     return {{"enum", {true}}};
   else if constexpr (std::same_as<Value, std::array<Index, 2>>)
     return list_of(reference("index"), 2, 2);
   else if constexpr (keys::HasWords<Value>)
     return {{"enum", keys::words_of<Value>}};
-  else if constexpr (std::same_as<Value, Selector>)
-    return reference("selector");
-  else if constexpr (std::same_as<Value, Vec3d>)
-    return reference("vector");
-  else if constexpr (std::same_as<Value, Eigen::Vector4d>)
-    return list_of({{"type", "number"}}, 4, 4);
   else if constexpr (requires(Value v) { v.has_value(); })
     return schema_of_value<typename Value::value_type>(takes);
   else if constexpr (keys::ListOf<Value>::value)
@@ -82,9 +85,10 @@ ordered_json schema_of_value(const Takes& takes) {
                : list_of(schema_of_value<typename Value::value_type>(takes), takes.least_items);
   else if constexpr (std::same_as<Value, bool>)
     return {{"type", "boolean"}};
-  else if constexpr (std::integral<Value>)
+  else if constexpr (std::integral<Value>) {
+    if (takes.least == 0 && takes.most == keys::most_index) return reference("index");
     schema = {{"type", "integer"}};
-  else if constexpr (std::floating_point<Value>)
+  } else if constexpr (std::floating_point<Value>)
     schema =
         takes.is_or_false ? ordered_json{{"type", {"number", "boolean"}}} : ordered_json{{"type", "number"}};
   else if (takes.least_items > 0)
@@ -154,19 +158,20 @@ std::string item_in_words() {
 
 template <class Value>
 std::string type_in_words(const Takes& takes) {
+  if (*takes.type) return takes.type;
   if constexpr (keys::HasWords<Value>) {
     std::string words;
     for (const char* word : keys::words_of<Value>)
       words += (words.empty() ? "`\"" : ", `\"") + std::string(word) + "\"`";
     return words;
-  } else if constexpr (keys::HasKeys<Value>)
+  } else if constexpr (std::same_as<Value, Selector>)
+    return "selector";
+  else if constexpr (keys::HasKeys<Value>)
     return "object";
-  else if constexpr (std::same_as<Value, keys::True>)
+  else if constexpr (std::is_empty_v<Value>)
     return "`true`";
   else if constexpr (std::same_as<Value, std::array<Index, 2>>)
     return "two integers";
-  else if constexpr (std::same_as<Value, Selector>)
-    return "selector";
   else if constexpr (std::same_as<Value, Vec3d>)
     return "[x, y, z]";
   else if constexpr (std::same_as<Value, Eigen::Vector4d>)

@@ -1,7 +1,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 
-#include "lobe/scene/read_selector.h"
+#include "lobe/scene/json_text.h"
 #include "lobe/scene/tool_kinds.h"
 
 namespace lobe {

@@ -22,6 +22,9 @@ nlohmann::json parse_json(std::string_view text, const std::string& name);
 std::string child_pointer(const std::string& pointer, std::string_view key);
 std::string child_pointer(const std::string& pointer, std::size_t index);
 
+inline Vec3d read_vector(const nlohmann::json& row, std::size_t from = 0) {  // three numbers from there on
+  return Vec3d(row[from].get<double>(), row[from + 1].get<double>(), row[from + 2].get<double>());
+}
 inline nlohmann::ordered_json vector_json(const Vec3d& v) { return {v[0], v[1], v[2]}; }
 
 // A value as messages show it: compact, on one line, cut after some 40 bytes.

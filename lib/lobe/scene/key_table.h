@@ -17,7 +17,6 @@
 #include <vector>
 
 #include "lobe/scene/json_text.h"
-#include "lobe/scene/read_selector.h"
 #include "lobe/scene/scene.h"
 
 namespace lobe::keys {
@@ -28,6 +27,8 @@ struct Takes {
   double most = std::numeric_limits<double>::infinity();
   bool is_above = false, is_below = false;  // without the limit itself
   const char* unit = "";
+  const char* schema = "";      // as JSON, where neither type nor range says it
+  const char* type = "";        // in words, where the type of the member does not say it
   std::size_t least_items = 0;  // of a list
   bool is_one_or_list = false;  // a list, or one item of it by itself
   bool is_or_false = false;     // a number, or false in place of 0
@@ -51,10 +52,15 @@ struct Takes {
   constexpr Takes quiet() const { return with(&Takes::is_quiet, true); }
   constexpr Takes derived() const { return with(&Takes::has_default, false); }
   constexpr Takes optional() const { return derived().quiet(); }
+  constexpr Takes as(const char* json, const char* words) const {
+    return with(&Takes::schema, json).with(&Takes::type, words);
+  }
 };
 inline constexpr Takes any{};
 constexpr Takes at_least(double limit) { return {.least = limit}; }
 constexpr Takes above(double limit) { return {.least = limit, .is_above = true}; }
+inline constexpr double most_index = std::numeric_limits<Index>::max();
+inline constexpr Takes index = at_least(0).up_to(most_index);
 
 template <class Member>  // pointer to a member, or a function that finds one
 struct Key {
@@ -103,8 +109,35 @@ template <class Value, class Struct, class Variant>
 constexpr auto alternative(Variant Struct::*what) {
   return Alternative<Value, Struct, Variant>{what};
 }
+// A member of one of the types that a member may have.
+template <class Struct, class Variant, class Part, class Value>
+struct PartOfAlternative {
+  Variant Struct::*what;
+  Value Part::*member;
+  Value& operator()(Struct& whole) const { return (whole.*what).template emplace<Part>().*member; }
+  const Value* operator()(const Struct& whole) const {
+    const Part* part = std::get_if<Part>(&(whole.*what));
+    return part ? &(part->*member) : nullptr;
+  }
+};
+template <class Struct, class Variant, class Part, class Value>
+constexpr auto alternative(Variant Struct::*what, Value Part::*member) {
+  return PartOfAlternative<Struct, Variant, Part, Value>{what, member};
+}
 struct True {};  // a key that can only be true
 inline True is_true;
+// The value of a member, said by the key alone.
+template <class Struct, class Tag>
+struct Says {
+  Tag Struct::*tag;
+  Tag said;
+  constexpr Says(Tag Struct::*t, Tag s) : tag(t), said(s) {}
+  True& operator()(Struct& whole) const {
+    whole.*tag = said;
+    return is_true;
+  }
+  const True* operator()(const Struct& whole) const { return whole.*tag == said ? &is_true : nullptr; }
+};
 
 template <class Struct, class Member>
 using MemberType = std::remove_cvref_t<std::invoke_result_t<Member, Struct&>>;
@@ -127,6 +160,42 @@ inline constexpr std::array<const char*, 0> words_of{};
 template <class Enum>
 concept HasWords = (words_of<Enum>.size() > 0);
 
+// How a type is read and written that has a form of its own, and its schema.
+template <class Value>
+struct Form;
+template <class Value>
+concept HasForm = requires {
+  Form<Value>::schema;
+};
+
+template <>
+struct Form<Vec3d> {
+  static constexpr const char* schema = R"({"$ref": "#/definitions/vector"})";
+  static void read(const nlohmann::json& given, Vec3d& value) { value = read_vector(given); }
+  static nlohmann::ordered_json write(const Vec3d& value) { return vector_json(value); }
+};
+template <>
+struct Form<Eigen::Vector4d> {
+  static constexpr const char* schema =
+      R"({"type": "array", "minItems": 4, "maxItems": 4, "items": {"type": "number"}})";
+  static void read(const nlohmann::json& given, Eigen::Vector4d& value) {
+    for (int i = 0; i < 4; ++i) value[i] = given[std::size_t(i)].get<double>();
+  }
+  static nlohmann::ordered_json write(const Eigen::Vector4d& q) { return {q[0], q[1], q[2], q[3]}; }
+};
+template <>
+struct Form<std::filesystem::path> {
+  static constexpr const char* schema = R"({"type": "string"})";
+  static void read(const nlohmann::json& given, std::filesystem::path& value) {
+    const auto& text = given.get_ref<const std::string&>();
+    value = std::u8string(text.begin(), text.end());
+  }
+  static nlohmann::ordered_json write(const std::filesystem::path& value) {
+    const std::u8string text = value.u8string();
+    return std::string(text.begin(), text.end());
+  }
+};
+
 template <class Value>
 struct ListOf : std::false_type {};
 template <class Item>
@@ -144,22 +213,18 @@ void read_keys(const nlohmann::json& object, Struct& value, const std::string& p
 
 template <class Value>
 void read_value(const nlohmann::json& given, Value& value, const std::string& place) {
-  if constexpr (std::same_as<Value, True>) {
+  if constexpr (std::is_empty_v<Value>) {
     return;
+  } else if constexpr (HasForm<Value>) {
+    if constexpr (requires { Form<Value>::read(given, value, place); })
+      Form<Value>::read(given, value, place);
+    else
+      Form<Value>::read(given, value);
   } else if constexpr (HasKeys<Value>) {
     read_keys(given, value, place);
   } else if constexpr (HasWords<Value>) {
     const auto word = std::find(words_of<Value>.begin(), words_of<Value>.end(), given.get<std::string>());
     value = Value(word - words_of<Value>.begin());
-  } else if constexpr (std::same_as<Value, std::filesystem::path>) {
-    const std::string text = given;
-    value = std::u8string(text.begin(), text.end());
-  } else if constexpr (std::same_as<Value, Selector>) {
-    value = read_selector(given);
-  } else if constexpr (std::same_as<Value, Vec3d>) {
-    value = read_vector(given);
-  } else if constexpr (std::same_as<Value, Eigen::Vector4d>) {
-    for (int i = 0; i < 4; ++i) value[i] = given[std::size_t(i)].get<double>();
   } else if constexpr (requires { value.emplace(); }) {
     read_value(given, value.emplace(), place);
   } else if constexpr (ListOf<Value>::value) {
@@ -187,6 +252,13 @@ void read_keys(const nlohmann::json& object, Struct& value, const std::string& p
   if constexpr (requires { after_reading(object, value); }) after_reading(object, value);
 }
 
+template <class Value>
+Value read_from(const nlohmann::json& given) {
+  Value value;
+  read_value(given, value, "");
+  return value;
+}
+
 // ---- Writing.
 
 template <class Struct>
@@ -196,7 +268,10 @@ template <class Value>
 nlohmann::ordered_json write_value(const Value& value) {
   if constexpr (std::is_pointer_v<Value>) {
     return write_value(*value);
-  } else if constexpr (std::same_as<Value, True>) {
+  } else if constexpr (HasForm<Value>) {
+    return Form<Value>::write(value);
+  } else if constexpr (std::is_empty_v<Value>) {
+    if constexpr (HasWords<Value>) return words_of<Value>[0];
     return true;
   } else if constexpr (HasKeys<Value>) {
     nlohmann::ordered_json object = nlohmann::ordered_json::object();
@@ -204,13 +279,6 @@ nlohmann::ordered_json write_value(const Value& value) {
     return object;
   } else if constexpr (HasWords<Value>) {
     return words_of<Value>[std::size_t(value)];
-  } else if constexpr (std::same_as<Value, std::filesystem::path>) {
-    const std::u8string text = value.u8string();
-    return std::string(text.begin(), text.end());
-  } else if constexpr (std::same_as<Value, Selector>) {
-    return write_selector(value);
-  } else if constexpr (std::same_as<Value, Vec3d> || std::same_as<Value, Eigen::Vector4d>) {
-    return std::vector<double>(value.begin(), value.end());
   } else if constexpr (requires { value.has_value(); }) {
     return write_value(*value);
   } else if constexpr (ListOf<Value>::value) {
@@ -245,6 +313,7 @@ void write_keys(const Struct& value, nlohmann::ordered_json& object) {
     if ((may_be_null || row.takes.is_quiet) && is_default(member, std::invoke(row.member, standard))) return;
     object[row.key] = write_value(member);
   });
+  if constexpr (requires { after_writing(value, object); }) after_writing(value, object);
 }
 
 }  // namespace lobe::keys

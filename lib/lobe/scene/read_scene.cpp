@@ -11,10 +11,10 @@
 #include "lobe/scene/explain.h"
 #include "lobe/scene/json_text.h"
 #include "lobe/scene/material_constants.h"
-#include "lobe/scene/read_selector.h"
 #include "lobe/scene/read_shape.h"
 #include "lobe/scene/region_keys.h"
 #include "lobe/scene/scene_document.h"
+#include "lobe/scene/selector_keys.h"
 #include "lobe/scene/time_keys.h"
 #include "lobe/scene/tissues.h"
 #include "lobe/scene/tool_kinds.h"
@@ -42,7 +42,7 @@ void read_orientation(const json& object, Eigen::Vector4d& quaternion) {
 
 std::optional<Selector> read_where(const json& entry) {
   if (!entry.contains("where")) return std::nullopt;
-  return read_selector(entry["where"]);
+  return keys::read_from<Selector>(entry["where"]);
 }
 
 FibreField read_fibre(const json& object) {
@@ -51,7 +51,7 @@ FibreField read_fibre(const json& object) {
   if (object.contains("axis"))
     return FibreAround{read_vector(object["axis"]["point"]), read_vector(object["axis"]["direction"])};
   const json& ends = object["harmonic"];
-  return FibreHarmonic{read_selector(ends["from"]), read_selector(ends["to"])};
+  return FibreHarmonic{keys::read_from<Selector>(ends["from"]), keys::read_from<Selector>(ends["to"])};
 }
 
 void read_transverse(const json& entry, Material& material) {
@@ -161,7 +161,7 @@ HoldBy read_hold_by(const json& entry) {
 
 Boundary read_boundary(const json& entry, const std::string& pointer) {
   Boundary boundary;
-  boundary.where = read_selector(entry["where"]);
+  boundary.where = keys::read_from<Selector>(entry["where"]);
   boundary.hold_by = read_hold_by(entry);
   boundary.pointer = pointer;
   const auto take = [&](const char* key, Boundary::Kind kind) {

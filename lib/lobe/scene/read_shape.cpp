@@ -1,7 +1,7 @@
 #include "lobe/scene/read_shape.h"
 
 #include "lobe/io/surface_io.h"
-#include "lobe/scene/read_selector.h"
+#include "lobe/scene/json_text.h"
 
 namespace lobe {
 namespace {

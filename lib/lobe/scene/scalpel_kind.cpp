@@ -2,7 +2,7 @@
 #include <limits>
 
 #include "lobe/scalpel/far_move.h"
-#include "lobe/scene/read_selector.h"
+#include "lobe/scene/json_text.h"
 #include "lobe/scene/tool_kinds.h"
 
 namespace lobe {

@@ -51,7 +51,7 @@ struct SelectSurface {
 };  // boundary faces; their vertices; tetrahedra that have such a face
 struct SelectPatch {
   Vec3d point;       // the boundary face nearest to it is the first
-  double angle = 0;  // largest turn [degrees]
+  double angle = 40;  // largest turn [degrees]
 };  // boundary faces connected with it by edges at which they turn by less than the angle; their vertices
 struct SelectVertices {
   std::vector<Index> vertices;

@@ -4,6 +4,7 @@
 #include "lobe/scene/read_shape.h"
 #include "lobe/scene/region_keys.h"
 #include "lobe/scene/scene_document.h"
+#include "lobe/scene/selector_keys.h"
 #include "lobe/scene/time_keys.h"
 #include "lobe/scene/tool_kinds.h"
 
@@ -18,14 +19,14 @@ std::string utf8(const std::filesystem::path& path) {
 }
 
 void add_where(ordered_json& entry, const std::optional<Selector>& where) {
-  if (where) entry["where"] = write_selector(*where);
+  if (where) entry["where"] = keys::write_value(*where);
 }
 
 struct FibreWriter {
   ordered_json operator()(const FibreDirection& f) const { return {{"direction", vector_json(f.direction)}}; }
   ordered_json operator()(const FibreArray&) const { return {{"array", "fibre"}}; }
   ordered_json operator()(const FibreHarmonic& f) const {
-    return {{"harmonic", {{"from", write_selector(f.from)}, {"to", write_selector(f.to)}}}};
+    return {{"harmonic", {{"from", keys::write_value(f.from)}, {"to", keys::write_value(f.to)}}}};
   }
   ordered_json operator()(const FibreAround& f) const {
     return {{"axis", {{"point", vector_json(f.point)}, {"direction", vector_json(f.axis)}}}};
@@ -74,14 +75,14 @@ void add_hold_by(ordered_json& entry, HoldBy by) {
 ordered_json write(const Boundary& boundary) {
   static constexpr const char* kinds[] = {"fix", "displacement", "traction", "force", "pressure"};
   if (boundary.kind == Boundary::Kind::pressure)
-    return {{"pressure", boundary.pressure}, {"where", write_selector(boundary.where)}};
+    return {{"pressure", boundary.pressure}, {"where", keys::write_value(boundary.where)}};
   ordered_json value =
       boundary.kind == Boundary::Kind::fix ? ordered_json(true) : vector_json(boundary.value);
   for (std::size_t i = 0; i < 3; ++i)
     if (boundary.kind == Boundary::Kind::displacement && !boundary.axes[i]) value[i] = nullptr;
   ordered_json entry = {{kinds[static_cast<int>(boundary.kind)], value}};
   add_hold_by(entry, boundary.hold_by);
-  entry["where"] = write_selector(boundary.where);
+  entry["where"] = keys::write_value(boundary.where);
   return entry;
 }
 

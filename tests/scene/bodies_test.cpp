@@ -252,7 +252,8 @@ TEST_CASE("places of a scene built in code are checked like those of a file") {
   const TetMesh mesh = read_scene_mesh(boxes.scene()).mesh;
   Scene scene = boxes.scene();
   scene.bodies[1].position[2] = std::numeric_limits<double>::quiet_NaN();
-  CHECK_THROWS_WITH_AS(resolve(scene, mesh), "/bodies/1/position/2: not a number, must be finite", InputError);
+  CHECK_THROWS_WITH_AS(resolve(scene, mesh), "/bodies/1/position/2: not a number, must be finite",
+                       InputError);
   scene = boxes.scene();
   scene.bodies[1].orientation.setConstant(std::numeric_limits<double>::infinity());
   CHECK_THROWS_AS(resolve(scene, mesh), InputError);

@@ -6,11 +6,10 @@
 #include <cstdlib>
 #include <fstream>
 
-#include "lobe/scene/boundary_keys.h"
-#include "lobe/scene/region_keys.h"
+#include "lobe/scene/material_keys.h"
+#include "lobe/scene/scene_keys.h"
 #include "lobe/scene/schema.h"
-#include "lobe/scene/selector_keys.h"
-#include "lobe/scene/time_keys.h"
+#include "lobe/scene/tool_keys.h"
 #include "pages.h"
 #include "scene/schema_of_keys.h"
 
@@ -29,12 +28,14 @@ struct Tables {
   // Calls visit(row) for the start of each row of the pages.
   template <class Visit>
   static void for_each_row(const Visit& visit) {
-    (keys::for_each_key<Structs>([&](const auto& row) { visit(row_in_words<Structs>(row)); }), ...);
+    (keys::for_each_key(keys::table_of<Structs>, [&](const auto& row) { visit(row_in_words<Structs>(row)); }),
+     ...);
   }
 };
-using All = Tables<SceneBody, Region, AutoRegions, SceneGesture, SceneThread, SceneStitch, SceneTie,
-                   SceneAttachment, SceneBed, SceneLigament, Time, Output>;
-using ByExample = Tables<Selector>;  // which the pages show by examples
+using All =
+    Tables<SceneBody, Region, AutoRegions, SceneGesture, SceneThread, SceneStitch, SceneTie, SceneAttachment,
+           SceneBed, SceneLigament, Time, Output, Boundary, ContactSetup, ObstacleSetup, PronyTerm>;
+using ByExample = Tables<Selector, FibreField>;  // which the pages show by examples
 
 }  // namespace
 
@@ -49,6 +50,17 @@ TEST_CASE("the schema has what the tables of keys say") {
   };
   All::for_each_schema(compare);
   ByExample::for_each_schema(compare);
+  // Of these the tables have some keys, and the file the others, and what goes together.
+  const auto compare_keys = [&]<class Struct>(const Struct&, const auto&... table) {
+    (compare(table.definition, completed<Struct>(file["definitions"][table.definition], table)), ...);
+  };
+  compare_keys(Material(), keys::material_keys);
+  compare_keys(Tool(), keys::grasp_keys, keys::cautery_keys, keys::scalpel_keys, keys::probe_keys,
+               keys::clip_applier_keys);
+  const ordered_json scene = completed<Scene>(file, keys::scene_keys);
+  CHECK(file["properties"] == scene["properties"]);
+  CHECK(file["required"] == scene["required"]);
+  renewed["properties"] = scene["properties"];
   CHECK(std::string(scene_schema()) == as_text(renewed) + "\n");
   if (std::getenv("LOBE_RENEW"))
     std::ofstream(LOBE_DOCS_DIR "/../lib/lobe/scene/scene.schema.json") << as_text(renewed) << "\n";
@@ -56,10 +68,26 @@ TEST_CASE("the schema has what the tables of keys say") {
 
 TEST_CASE("rows of the reference begin as the tables of keys say") {
   const std::string pages = without_links(page_with_chapters(LOBE_DOCS_DIR, "scene"));
-  All::for_each_row([&](const PageRow& row) {
+  const auto find = [&](const PageRow& row) {
     CAPTURE(row.start);
     CAPTURE(row.sentence);
     CHECK(row.is_on(pages));
+  };
+  All::for_each_row(find);
+  const auto find_all = [&]<class Struct>(const Struct&, const auto&... table) {
+    const auto find_key = [&](const auto& row) { find(row_in_words<Struct>(row)); };
+    (keys::for_each_key(table, find_key), ...);
+  };
+  find_all(Scene(), keys::scene_keys);
+  find_all(Tool(), keys::grasp_keys, keys::cautery_keys, keys::scalpel_keys, keys::probe_keys,
+           keys::clip_applier_keys);
+  const auto is_of_law = [](const std::string& key) {  // these have a table of their own
+    return std::any_of(std::begin(law_rows), std::end(law_rows), [&](const LawRow& law) {
+      return std::any_of(law.keys.begin(), law.keys.end(), [&](const char* k) { return k && k == key; });
+    });
+  };
+  keys::for_each_key(keys::material_keys, [&](const auto& row) {
+    if (!is_of_law(row.key)) find(row_in_words<Material>(row));
   });
 }
 

@@ -62,7 +62,7 @@ TEST_CASE("surface, fracture energy and the step that cuts leave come from the s
     CHECK(setup.materials[0].fracture_energy == 120);
     CHECK(setup.cut_step == 0.5);
   }
-  CHECK(!scene_with(R"("path": [[0, 0, 0, 0, 0, 0, 1]])").tools[0].along_faces);
+  CHECK(scene_with(R"("path": [[0, 0, 0, 0, 0, 0, 1]])").tools[0].surface == CutSurface::smooth);
 }
 
 TEST_CASE(

@@ -49,7 +49,7 @@ ordered_json one_or_list() {
     const std::string name = keys::table_of<Item>.definition;
     ordered_json schema = {
         {"type", {"array", "object"}}, {"items", reference(name)}, {"additionalProperties", false}};
-    keys::for_each_key<Item>([&](const auto& row) {
+    keys::for_each_key(keys::table_of<Item>, [&](const auto& row) {
       if (row.takes.is_required) schema["required"].push_back(row.key);
       schema["properties"][row.key] = reference(name + "/properties/" + row.key);
     });
@@ -66,7 +66,8 @@ ordered_json schema_of_value(const Takes& takes) {
   if (*takes.schema) return ordered_json::parse(takes.schema);
   if constexpr (keys::HasForm<Value>) {
     schema = ordered_json::parse(keys::Form<Value>::schema);
-    if (takes.least_items > 0) schema["minLength"] = takes.least_items;
+    if (takes.least_items > 0 && schema.value("type", "") == "string")
+      schema["minLength"] = takes.least_items;
     return schema;
   } else if constexpr (keys::HasKeys<Value>)
     return *keys::table_of<Value>.definition ? reference(keys::table_of<Value>.definition)
@@ -105,11 +106,11 @@ inline std::string description(const Takes& takes, std::string sentence) {
   return sentence + (sentence.front() == '[' ? "" : ".");
 }
 
-template <class Struct>
-ordered_json schema_of() {
+template <class Struct, class Rows>
+ordered_json schema_of_table(const Rows& table) {
   ordered_json schema = {{"type", "object"}, {"additionalProperties", false}}, required, properties;
   const Struct standard{};
-  keys::for_each_key<Struct>([&](const auto& row) {
+  keys::for_each_key(table, [&](const auto& row) {
     using Value = keys::MemberType<Struct, decltype(row.member)>;
     ordered_json& property = properties[row.key] = schema_of_value<Value>(row.takes);
     if (row.takes.is_required)
@@ -120,10 +121,26 @@ ordered_json schema_of() {
     if (!text.empty()) property["description"] = text;
   });
   if (!required.empty()) schema["required"] = required;
-  if (const std::string rules = keys::table_of<Struct>.rules; !rules.empty())
-    schema.update(ordered_json::parse(rules));
+  if (const std::string rules = table.rules; !rules.empty()) schema.update(ordered_json::parse(rules));
   schema["properties"] = properties;
   return schema;
+}
+
+template <class Struct>
+ordered_json schema_of() {
+  return schema_of_table<Struct>(keys::table_of<Struct>);
+}
+
+// The definition of a table that has only some of its keys: the others, and the rules, stay.
+template <class Struct, class Rows>
+ordered_json completed(ordered_json definition, const Rows& table) {
+  const ordered_json schema = schema_of_table<Struct>(table);
+  for (const auto& [key, property] : schema["properties"].items()) definition["properties"][key] = property;
+  for (const auto& key : schema.value("required", ordered_json::array()))
+    if (auto& required = definition["required"];
+        std::find(required.begin(), required.end(), key) == required.end())
+      required.push_back(key);
+  return definition;
 }
 
 // ---- JSON as people write it.
@@ -168,6 +185,8 @@ std::string type_in_words(const Takes& takes) {
     return "selector";
   else if constexpr (keys::HasKeys<Value>)
     return "object";
+  else if constexpr (requires { keys::Form<Value>::type; })
+    return keys::Form<Value>::type;
   else if constexpr (std::is_empty_v<Value>)
     return "`true`";
   else if constexpr (std::same_as<Value, std::array<Index, 2>>)
@@ -230,7 +249,7 @@ PageRow row_in_words(const Row& row) {
 }
 
 inline std::string without_links(const std::string& page) {
-  return std::regex_replace(page, std::regex(R"(\[([^\]]*)\]\([^)]*\))"), "$1");
+  return std::regex_replace(page, std::regex(R"(\[([^\[\]\n]*)\]\([^)\n]*\))"), "$1");
 }
 
 // ---- The file: one line per key.

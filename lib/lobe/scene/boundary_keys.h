@@ -1,10 +1,61 @@
-// Keys of `threads` and `attachments` (docs/scene/boundary.md). Internal, not part of the public
+// Keys of `boundary`, `threads` and `attachments` (docs/scene/boundary.md). Internal, not part of the public
 // interface.
 #pragma once
 
 #include "lobe/scene/key_table.h"
 
+namespace lobe {
+
+// Components of a displacement that are null are free.
+inline void after_reading(const nlohmann::json& object, Boundary& boundary) {
+  if (boundary.kind != Boundary::Kind::displacement) return;
+  for (std::size_t i = 0; i < 3; ++i) boundary.axes[i] = !object["displacement"][i].is_null();
+}
+inline void after_writing(const Boundary& boundary, nlohmann::ordered_json& object) {
+  if (boundary.kind != Boundary::Kind::displacement) return;
+  for (std::size_t i = 0; i < 3; ++i)
+    if (!boundary.axes[i]) object["displacement"][i] = nullptr;
+}
+
+}  // namespace lobe
+
 namespace lobe::keys {
+
+// ---- What holds and loads
+
+template <>
+inline constexpr auto words_of<HoldBy> = hold_by_names;
+inline constexpr const char* hold_by_sentence =
+    "what is held: the selected vertices wholly, or each vertex by the share of its volume, or of its area "
+    "of the surface, that lies in the selection. A share below 0.95 is held by a spring. The latter two hold "
+    "the same body on every mesh";
+
+template <>
+inline constexpr auto table_of<Boundary> = Table(
+    "boundary",
+    R"({"oneOf": [{"required": ["fix"]}, {"required": ["displacement"]}, {"required": ["traction"]},
+                              {"required": ["force"]}, {"required": ["pressure"]}]})",
+
+    Key("fix", Says(&Boundary::kind, Boundary::Kind::fix), any.optional(),
+        "holds the vertices at their rest positions"),
+    Key("displacement", Case(&Boundary::kind, Boundary::Kind::displacement, &Boundary::value),
+        any.in("m").optional().as(
+            R"({"type": "array", "minItems": 3, "maxItems": 3, "items": {"type": ["number", "null"]}})",
+            "[x, y, z]"),
+        "moves the vertices by this much over `time.ramp`, and then holds them; they slide freely along "
+        "components that are `null`"),
+    Key("traction", Case(&Boundary::kind, Boundary::Kind::traction, &Boundary::value),
+        any.in("Pa").optional(), "dead load per rest area"),
+    Key("force", Case(&Boundary::kind, Boundary::Kind::force, &Boundary::value), any.in("N").optional(),
+        "total dead load, shared equally among the selected vertices"),
+    Key("pressure", Case(&Boundary::kind, Boundary::Kind::pressure, &Boundary::pressure),
+        any.in("Pa").optional(),
+        "pressure per present area along the present normal: it turns and grows with the wall; "
+        "positive pushes into the body"),
+    Key("hold_by", &Boundary::hold_by, any.quiet(), hold_by_sentence),
+    Key("where", &Boundary::where, any.required(), "what is held, or loaded"));
+
+// ---- Threads
 
 template <>
 inline constexpr auto table_of<SceneTie> = Table(
@@ -36,8 +87,8 @@ inline constexpr auto table_of<SceneThread> =
           Key("strength", In{&SceneThread::material, &ThreadMaterial::strength}, above(0).in("N").optional(),
               "tension above which the thread breaks; without it, it does not"),
           Key("holds", In{&SceneThread::material, &ThreadMaterial::holds}, above(0).in("N").optional(),
-              "force that tissue bears at a bite; without it, any. Above it the thread cuts into the "
-              "tissue; at the surface it tears out"),
+              "force that tissue bears at a bite; without it, any. Above it the thread cuts into the tissue; "
+              "at the surface it tears out"),
           Key("stitches", &SceneThread::stitches, any.items(1).required(), "lengths of this thread"));
 
 // ---- Attachments
@@ -47,11 +98,6 @@ struct BedEndsInWorld {
   True& operator()(SceneBed&) const { return is_true; }
   const True* operator()(const SceneBed& bed) const { return bed.to ? nullptr : &is_true; }
 };
-struct BedWithin {
-  double& operator()(SceneBed& bed) const { return bed.within; }
-  const double* operator()(const SceneBed& bed) const { return bed.to ? &bed.within : nullptr; }
-};
-
 template <>
 inline constexpr auto table_of<SceneBed> = Table(
     "bed", R"({"description": "Strands that cover a part of the surface.",
@@ -62,7 +108,8 @@ inline constexpr auto table_of<SceneBed> = Table(
     Key("to", &SceneBed::to, any.optional(), "boundary faces to which they lead, each to the nearest point"),
     Key("to_world", BedEndsInWorld{}, any.optional(),
         "in place of `to`: strands hold their beginnings where these are at rest"),
-    Key("within", BedWithin{}, at_least(0).in("m").optional(),
+    Key("within", When(&SceneBed::within, [](const SceneBed& bed) { return bed.to.has_value(); }),
+        at_least(0).in("m").optional(),
         "longest strand, with `to`. Where the other part is further away there is none"),
     Key("spacing", &SceneBed::spacing, above(0).in("m").optional(),
         "about how far strands are apart: faces are divided evenly. Without it each face has one strand"),

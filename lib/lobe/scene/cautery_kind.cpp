@@ -1,7 +1,6 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 
-#include "lobe/scene/json_text.h"
 #include "lobe/scene/tool_kinds.h"
 
 namespace lobe {
@@ -46,19 +45,6 @@ bool passes_near(const Tool& tool, const TetMesh& mesh, double reach) {
   return false;
 }
 
-void read_cautery(const nlohmann::json& entry, Tool& tool) {
-  tool.radius = entry["radius"];
-  if (entry.contains("hook")) tool.hook = read_vector(entry["hook"]);
-  tool.core = entry.value("core", tool.core);
-}
-
-void write_cautery(const Tool& tool, nlohmann::ordered_json& entry) {
-  write_turns(tool, entry["path"]);
-  entry["radius"] = tool.radius;
-  if (tool.hook != Vec3d::Zero()) entry["hook"] = {tool.hook[0], tool.hook[1], tool.hook[2]};
-  if (tool.core > 0) entry["core"] = tool.core;
-}
-
 void check_core(Resolution& resolution, const Tool& tool, const std::string& here) {
   if (!(tool.core < tool.radius))
     resolution.fail(here + "/core", rounded(tool.core) + " m, must be below the radius, " +
@@ -100,11 +86,15 @@ void append_cauteries(const ToolSetups& done, Index, std::vector<Tool>& tools) {
 }  // namespace
 
 extern const ToolKind cautery_kind;
-const ToolKind cautery_kind{
-    CauterySetup::type, "4 numbers, time and place of the tip, or 8 with a quaternion",
-    read_cautery,       read_turning_row,
-    write_cautery,      resolve_cautery,
-    bring_cautery,      summarise_cautery,
-    append_cauteries};
+const ToolKind cautery_kind{CauterySetup::type,
+                            "4 numbers, time and place of the tip, or 8 with a quaternion",
+                            read_keys_of<keys::cautery_keys>,
+                            write_keys_of<keys::cautery_keys>,
+                            read_turning_row,
+                            write_turning_row,
+                            resolve_cautery,
+                            bring_cautery,
+                            summarise_cautery,
+                            append_cauteries};
 
 }  // namespace lobe

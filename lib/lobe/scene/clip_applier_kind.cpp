@@ -5,21 +5,6 @@
 namespace lobe {
 namespace {
 
-void read_clip_applier(const nlohmann::json& entry, Tool& tool) {
-  tool.clip = {entry["length"], entry["opening"], entry["gap"]};
-  tool.clip.width = entry.value("width", tool.clip.width);
-  tool.clip.stiffness = entry.value("stiffness", tool.clip.stiffness);
-}
-
-void write_clip_applier(const Tool& tool, nlohmann::ordered_json& entry) {
-  write_turns(tool, entry["path"]);
-  entry["length"] = tool.clip.length;
-  entry["opening"] = tool.clip.opening;
-  entry["gap"] = tool.clip.gap;
-  entry["width"] = tool.clip.width;
-  entry["stiffness"] = tool.clip.stiffness;
-}
-
 void check_gap(Resolution& resolution, const Tool& tool, const std::string& here) {
   if (!(tool.clip.gap < tool.clip.opening))
     resolution.fail(here + "/gap", rounded(tool.clip.gap) + " m, must be below the opening, " +
@@ -33,10 +18,9 @@ void resolve_clip_applier(Resolution& resolution, const Tool& tool, const std::s
   for (std::size_t i = 0; i < tool.path.size(); ++i) {
     const Vec3d& at = tool.path[i].position;
     if ((at - at.cwiseMax(box.min).cwiseMin(box.max)).norm() > reach)
-      resolution.warn(
-          here + "/path/" + std::to_string(i),
-          "the clip closes outside of the mesh's bounding box: on nothing, unless tissue is moved "
-          "there before");
+      resolution.warn(here + "/path/" + std::to_string(i),
+                      "the clip closes outside of the mesh's bounding box: on nothing, unless tissue is "
+                      "moved there before");
   }
   resolution.result.setup.clip_appliers.push_back({tool.name, tool.clip, tool.path});
 }
@@ -67,11 +51,15 @@ void append_clip_appliers(const ToolSetups& done, Index, std::vector<Tool>& tool
 }  // namespace
 
 extern const ToolKind clip_applier_kind;
-const ToolKind clip_applier_kind{
-    ClipApplierSetup::type, "4 numbers, time and place of a clip, or 8 with a quaternion",
-    read_clip_applier,      read_turning_row,
-    write_clip_applier,     resolve_clip_applier,
-    bring_clip_applier,     summarise_clip_applier,
-    append_clip_appliers};
+const ToolKind clip_applier_kind{ClipApplierSetup::type,
+                                 "4 numbers, time and place of a clip, or 8 with a quaternion",
+                                 read_keys_of<keys::clip_applier_keys>,
+                                 write_keys_of<keys::clip_applier_keys>,
+                                 read_turning_row,
+                                 write_turning_row,
+                                 resolve_clip_applier,
+                                 bring_clip_applier,
+                                 summarise_clip_applier,
+                                 append_clip_appliers};
 
 }  // namespace lobe

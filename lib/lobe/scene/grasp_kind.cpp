@@ -7,17 +7,6 @@
 namespace lobe {
 namespace {
 
-void read_grasp(const nlohmann::json& entry, Tool& tool) {
-  tool.copies = entry.value("copies", tool.copies);
-  tool.release = entry.value("release", tool.release);
-}
-
-void write_grasp(const Tool& tool, nlohmann::ordered_json& entry) {
-  write_turns(tool, entry["path"]);
-  if (!tool.copies.empty()) entry["copies"] = tool.copies;
-  entry["release"] = tool.release;
-}
-
 // They are numbered after the vertices of the mesh, in the order in which cuts make them.
 void add_copies(Resolution& resolution, const Tool& tool, const std::string& place,
                 std::vector<Index>& vertices) {
@@ -96,10 +85,15 @@ void append_grasps(const ToolSetups& done, Index mesh_vertices, std::vector<Tool
 }  // namespace
 
 extern const ToolKind grasp_kind;
-const ToolKind grasp_kind{GraspSetup::type, "4 numbers, or 8 with a quaternion",
-                          read_grasp,       read_turning_row,
-                          write_grasp,      resolve_grasp,
-                          nullptr,          summarise_grasp,
+const ToolKind grasp_kind{GraspSetup::type,
+                          "4 numbers, or 8 with a quaternion",
+                          read_keys_of<keys::grasp_keys>,
+                          write_keys_of<keys::grasp_keys>,
+                          read_turning_row,
+                          write_turning_row,
+                          resolve_grasp,
+                          nullptr,
+                          summarise_grasp,
                           append_grasps};
 
 }  // namespace lobe

@@ -98,32 +98,51 @@ struct Case {
     return whole.*tag == required ? &(whole.*member) : nullptr;
   }
 };
-// One of the types that a member may have.
-template <class Value, class Struct, class Variant>
+// One of the types that a member may have, or the whole (std::identity); or a member of that type.
+template <class Part, class What>
 struct Alternative {
-  Variant Struct::*what;
-  Value& operator()(Struct& whole) const { return (whole.*what).template emplace<Value>(); }
-  const Value* operator()(const Struct& whole) const { return std::get_if<Value>(&(whole.*what)); }
-};
-template <class Value, class Struct, class Variant>
-constexpr auto alternative(Variant Struct::*what) {
-  return Alternative<Value, Struct, Variant>{what};
-}
-// A member of one of the types that a member may have.
-template <class Struct, class Variant, class Part, class Value>
-struct PartOfAlternative {
-  Variant Struct::*what;
-  Value Part::*member;
-  Value& operator()(Struct& whole) const { return (whole.*what).template emplace<Part>().*member; }
-  const Value* operator()(const Struct& whole) const {
-    const Part* part = std::get_if<Part>(&(whole.*what));
-    return part ? &(part->*member) : nullptr;
+  What what;
+  template <class Struct>
+  Part& operator()(Struct& whole) const {
+    return std::invoke(what, whole).template emplace<Part>();
+  }
+  template <class Struct>
+  const Part* operator()(const Struct& whole) const {
+    return std::get_if<Part>(&std::invoke(what, whole));
   }
 };
-template <class Struct, class Variant, class Part, class Value>
-constexpr auto alternative(Variant Struct::*what, Value Part::*member) {
-  return PartOfAlternative<Struct, Variant, Part, Value>{what, member};
+template <class Part, class What>
+constexpr auto alternative(What what) {
+  return Alternative<Part, What>{what};
 }
+template <class What, class Part, class Value>
+struct PartOfAlternative {
+  Alternative<Part, What> part;
+  Value Part::*member;
+  template <class Struct>
+  Value& operator()(Struct& whole) const {
+    return part(whole).*member;
+  }
+  template <class Struct>
+  const Value* operator()(const Struct& whole) const {
+    const Part* found = part(whole);
+    return found ? &(found->*member) : nullptr;
+  }
+};
+template <class What, class Part, class Value>
+constexpr auto alternative(What what, Value Part::*member) {
+  return PartOfAlternative<What, Part, Value>{{what}, member};
+}
+// A member that is written only where a condition holds.
+template <class Struct, class Value, class Condition>
+struct When {
+  Value Struct::*member;
+  Condition holds;
+  constexpr When(Value Struct::*m, Condition c) : member(m), holds(c) {}
+  Value& operator()(Struct& whole) const { return whole.*member; }
+  const Value* operator()(const Struct& whole) const { return holds(whole) ? &(whole.*member) : nullptr; }
+};
+inline constexpr auto never = [](const auto&) { return false; };
 struct True {};  // a key that can only be true
 inline True is_true;
 // The value of a member, said by the key alone.
@@ -137,6 +156,18 @@ struct Says {
     return is_true;
   }
   const True* operator()(const Struct& whole) const { return whole.*tag == said ? &is_true : nullptr; }
+};
+
+// What a hook reads, and nothing writes.
+template <class Value>
+struct NotKept {
+  bool is_not_kept = true;
+  template <class Struct>
+  Value& operator()(Struct&) const;
+  template <class Struct>
+  const Value* operator()(const Struct&) const {
+    return nullptr;
+  }
 };
 
 template <class Struct, class Member>
@@ -171,7 +202,10 @@ concept HasForm = requires {
 template <>
 struct Form<Vec3d> {
   static constexpr const char* schema = R"({"$ref": "#/definitions/vector"})";
-  static void read(const nlohmann::json& given, Vec3d& value) { value = read_vector(given); }
+  static void read(const nlohmann::json& given, Vec3d& value) {
+    for (int i = 0; i < 3; ++i)  // null: see Boundary::axes
+      value[i] = given[std::size_t(i)].is_null() ? 0 : given[std::size_t(i)].get<double>();
+  }
   static nlohmann::ordered_json write(const Vec3d& value) { return vector_json(value); }
 };
 template <>
@@ -201,9 +235,9 @@ struct ListOf : std::false_type {};
 template <class Item>
 struct ListOf<std::vector<Item>> : std::true_type {};
 
-template <class Struct, class Visit>
-void for_each_key(const Visit& visit) {
-  std::apply([&](const auto&... row) { (visit(row), ...); }, table_of<Struct>.rows);
+template <class... Rows, class Visit>
+void for_each_key(const Table<Rows...>& table, const Visit& visit) {
+  std::apply([&](const auto&... row) { (visit(row), ...); }, table.rows);
 }
 
 // ---- Reading, of a document that satisfies the schema.
@@ -241,14 +275,22 @@ void read_value(const nlohmann::json& given, Value& value, const std::string& pl
   }
 }
 
+template <class Struct, class... Rows>
+void read_rows(const Table<Rows...>& table, const nlohmann::json& object, Struct& value,
+               const std::string& place) {
+  for_each_key(table, [&](const auto& row) {
+    if constexpr (!requires { row.member.is_not_kept; }) {
+      const auto found = object.find(row.key);
+      if (found != object.end())
+        read_value(*found, std::invoke(row.member, value), child_pointer(place, row.key));
+    }
+  });
+}
+
 template <class Struct>
 void read_keys(const nlohmann::json& object, Struct& value, const std::string& place) {
   if constexpr (requires { value.pointer; }) value.pointer = place;
-  for_each_key<Struct>([&](const auto& row) {
-    const auto found = object.find(row.key);
-    if (found != object.end())
-      read_value(*found, std::invoke(row.member, value), child_pointer(place, row.key));
-  });
+  read_rows(table_of<Struct>, object, value, place);
   if constexpr (requires { after_reading(object, value); }) after_reading(object, value);
 }
 
@@ -304,15 +346,20 @@ bool is_default(const Value& value, const Value& standard) {
     return false;
 }
 
-template <class Struct>
-void write_keys(const Struct& value, nlohmann::ordered_json& object) {
+template <class Struct, class... Rows>
+void write_rows(const Table<Rows...>& table, const Struct& value, nlohmann::ordered_json& object) {
   static const Struct standard{};
-  for_each_key<Struct>([&](const auto& row) {
+  for_each_key(table, [&](const auto& row) {
     const auto& member = std::invoke(row.member, value);
     constexpr bool may_be_null = std::is_pointer_v<std::remove_cvref_t<decltype(member)>>;
     if ((may_be_null || row.takes.is_quiet) && is_default(member, std::invoke(row.member, standard))) return;
     object[row.key] = write_value(member);
   });
+}
+
+template <class Struct>
+void write_keys(const Struct& value, nlohmann::ordered_json& object) {
+  write_rows(table_of<Struct>, value, object);
   if constexpr (requires { after_writing(value, object); }) after_writing(value, object);
 }
 

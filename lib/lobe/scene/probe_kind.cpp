@@ -13,9 +13,13 @@ namespace lobe {
 namespace {
 
 void read_probe(const nlohmann::json& entry, Tool& tool) {
-  tool.shape = read_shape(entry["shape"], tool.shape_file);
-  tool.friction = entry.value("friction", tool.friction);
-  tool.release = entry.value("release", tool.release);
+  read_keys_of<keys::probe_keys>(entry, tool);
+  tool.shape_file = shape_file(entry["shape"]);
+}
+
+void write_probe(const Tool& tool, nlohmann::ordered_json& entry) {
+  write_keys_of<keys::probe_keys>(tool, entry);
+  entry["shape"] = write_shape(tool.shape, tool.shape_file);
 }
 
 // Of jaws, the last number is their opening.
@@ -28,16 +32,9 @@ bool read_probe_row(const nlohmann::json& row, Tool& tool) {
   return true;
 }
 
-void write_probe(const Tool& tool, nlohmann::ordered_json& entry) {
-  nlohmann::ordered_json& path = entry["path"];
-  for (std::size_t i = 0; i < path.size(); ++i) {
-    if (const Eigen::Vector4d& q = tool.path[i].orientation; q != PathPoint().orientation)
-      path[i].insert(path[i].end(), {q[0], q[1], q[2], q[3]});
-    if (tool.shape.kind == RigidShape::Kind::jaws) path[i].push_back(tool.path[i].opening);
-  }
-  entry["shape"] = write_shape(tool.shape, tool.shape_file);
-  entry["friction"] = tool.friction;
-  entry["release"] = tool.release;
+void write_probe_row(const Tool& tool, std::size_t number, nlohmann::ordered_json& row) {
+  write_turning_row(tool, number, row);
+  if (tool.shape.kind == RigidShape::Kind::jaws) row.push_back(tool.path[number].opening);
 }
 
 // About as long as a step will be: until a wave has crossed the altitude of a tetrahedron [s].
@@ -126,9 +123,9 @@ void append_probes(const ToolSetups& done, Index, std::vector<Tool>& tools) {
 extern const ToolKind probe_kind;
 const ToolKind probe_kind{
     ProbeSetup::type, "4 numbers, or 8 with a quaternion; one more for the opening of jaws",
-    read_probe,       read_probe_row,
-    write_probe,      resolve_probe,
-    bring_probe,      summarise_probe,
-    append_probes};
+    read_probe,       write_probe,
+    read_probe_row,   write_probe_row,
+    resolve_probe,    bring_probe,
+    summarise_probe,  append_probes};
 
 }  // namespace lobe

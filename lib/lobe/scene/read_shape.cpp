@@ -6,6 +6,8 @@
 namespace lobe {
 namespace {
 
+using namespace nlohmann::literals;
+
 // By extension, as the library without its meshing part reads surfaces.
 RigidShape read_shape_file(const std::filesystem::path& file) {
   RigidShape shape{.kind = RigidShape::Kind::mesh};
@@ -27,7 +29,7 @@ RigidShape read_shape_file(const std::filesystem::path& file) {
 
 }  // namespace
 
-RigidShape read_shape(const nlohmann::json& entry, std::filesystem::path& file) {
+RigidShape read_shape(const nlohmann::json& entry) {
   const auto only = entry.begin();
   const std::string& kind = only.key();
   const nlohmann::json& values = *only;
@@ -37,15 +39,16 @@ RigidShape read_shape(const nlohmann::json& entry, std::filesystem::path& file) 
   if (kind == "plane") return RigidShape::plane();
   if (kind == "jaws") return RigidShape::jaws(read_vector(values["size"]));
   RigidShape mesh{.kind = RigidShape::Kind::mesh};
-  if (values.contains("file")) {
-    const std::string name = values["file"];
-    file = std::u8string(name.begin(), name.end());
-    return mesh;
-  }
+  if (values.contains("file")) return mesh;
   for (const auto& point : values["points"]) mesh.points.push_back(read_vector(point));
   for (const auto& t : values["triangles"])
     mesh.triangles.emplace_back(t[0].get<int>(), t[1].get<int>(), t[2].get<int>());
   return mesh;
+}
+
+std::filesystem::path shape_file(const nlohmann::json& entry) {
+  const std::string name = entry.value("/mesh/file"_json_pointer, "");
+  return std::u8string(name.begin(), name.end());
 }
 
 nlohmann::ordered_json write_shape(const RigidShape& shape, const std::filesystem::path& file) {

@@ -2,7 +2,6 @@
 #include <limits>
 
 #include "lobe/scalpel/far_move.h"
-#include "lobe/scene/json_text.h"
 #include "lobe/scene/tool_kinds.h"
 
 namespace lobe {
@@ -17,24 +16,15 @@ double mean_edge(const TetMesh& mesh) {  // [m]
   return sum / (6.0 * mesh.tet_count());
 }
 
-void read_scalpel(const nlohmann::json& entry, Tool& tool) {
-  tool.snap = entry.value("snap", tool.snap);
-  tool.along_faces = entry.value("surface", "smooth") == "faces";
-  if (entry.contains("blade")) tool.blade = read_vector(entry["blade"]);
-}
-
 bool read_scalpel_row(const nlohmann::json& row, Tool& tool) {
   if (row.size() != (tool.blade ? 4 : 7)) return false;
   tool.heels.push_back(tool.blade ? Vec3d(tool.path.back().position + *tool.blade) : read_vector(row, 4));
   return true;
 }
 
-void write_scalpel(const Tool& tool, nlohmann::ordered_json& entry) {
-  nlohmann::ordered_json& path = entry["path"];
-  for (std::size_t i = 0; i < path.size(); ++i)
-    path[i].insert(path[i].end(), {tool.heels[i][0], tool.heels[i][1], tool.heels[i][2]});
-  entry["surface"] = tool.along_faces ? "faces" : "smooth";
-  entry["snap"] = tool.snap;
+void write_scalpel_row(const Tool& tool, std::size_t number, nlohmann::ordered_json& row) {
+  const Vec3d& heel = tool.heels[number];
+  row.insert(row.end(), {heel[0], heel[1], heel[2]});
 }
 
 // Lengths of the blade, and how far an end of it goes in a second, at most [m].
@@ -72,7 +62,8 @@ void resolve_scalpel(Resolution& resolution, const Tool& tool, const std::string
   for (std::size_t i = 0; i < tool.heels.size(); ++i)
     if (tool.heels[i] == tool.path[i].position)
       resolution.fail(here + "/path/" + std::to_string(i), "tip and heel are the same point");
-  resolution.result.setup.scalpels.push_back({tool.name, tool.snap, tool.path, tool.heels, tool.along_faces});
+  resolution.result.setup.scalpels.push_back(
+      {tool.name, tool.snap, tool.path, tool.heels, tool.surface == CutSurface::faces});
   const auto warn = [&](const std::string& text) { resolution.warn(here + "/path", text); };
   const Extent extent = extent_of(tool);
   const double edge = mean_edge(resolution.mesh()), in_a_frame = extent.speed * resolution.scene.time.frame;
@@ -88,8 +79,10 @@ void resolve_scalpel(Resolution& resolution, const Tool& tool, const std::string
 }
 
 BringTool bring_scalpel(Resolution&, const Tool& tool, const std::string&) {
-  return BringScalpel{
-      tool.name, {tool.path.front().position, tool.heels.front()}, tool.snap, tool.along_faces};
+  return BringScalpel{tool.name,
+                      {tool.path.front().position, tool.heels.front()},
+                      tool.snap,
+                      tool.surface == CutSurface::faces};
 }
 
 void summarise_scalpel(const Setup& setup, std::size_t number, nlohmann::ordered_json& entry) {
@@ -105,18 +98,22 @@ void append_scalpels(const ToolSetups& done, Index, std::vector<Tool>& tools) {
     tool.snap = scalpel.snap;
     tool.path = scalpel.path;
     tool.heels = scalpel.heels;
-    tool.along_faces = scalpel.along_faces;
+    tool.surface = CutSurface(scalpel.along_faces);
   }
 }
 
 }  // namespace
 
 extern const ToolKind scalpel_kind;
-const ToolKind scalpel_kind{
-    ScalpelSetup::type, "7 numbers: time, tip and heel, or 4 where there is a \"blade\": time and tip",
-    read_scalpel,       read_scalpel_row,
-    write_scalpel,      resolve_scalpel,
-    bring_scalpel,      summarise_scalpel,
-    append_scalpels};
+const ToolKind scalpel_kind{ScalpelSetup::type,
+                            "7 numbers: time, tip and heel, or 4 where there is a \"blade\": time and tip",
+                            read_keys_of<keys::scalpel_keys>,
+                            write_keys_of<keys::scalpel_keys>,
+                            read_scalpel_row,
+                            write_scalpel_row,
+                            resolve_scalpel,
+                            bring_scalpel,
+                            summarise_scalpel,
+                            append_scalpels};
 
 }  // namespace lobe

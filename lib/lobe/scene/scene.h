@@ -50,7 +50,7 @@ struct SelectSurface {
   bool is_bound = false;
 };  // boundary faces; their vertices; tetrahedra that have such a face
 struct SelectPatch {
-  Vec3d point;       // the boundary face nearest to it is the first
+  Vec3d point;        // the boundary face nearest to it is the first
   double angle = 40;  // largest turn [degrees]
 };  // boundary faces connected with it by edges at which they turn by less than the angle; their vertices
 struct SelectVertices {
@@ -173,6 +173,9 @@ struct Boundary {
   std::string pointer;
 };
 
+// A cut by a scalpel: through tetrahedra where the blade goes, or along faces that the mesh has.
+enum class CutSurface : bool { smooth, faces };
+
 struct Tool {
   std::string name;
   std::string type = GraspSetup::type;  // name of a kind in tool_kinds.h
@@ -186,8 +189,8 @@ struct Tool {
   double snap = 0.1;           // scalpel: a vertex nearer to the cut than this share of its edges lies on it
   std::vector<Vec3d> heels;    // scalpel: heels, one for each row of its path [m]
   std::optional<Vec3d> blade;  // scalpel: vector from tip to heel, where the file says it once [m]
-  bool along_faces = false;    // scalpel: whether it opens faces of the mesh, and divides no tetrahedron
-  RigidShape shape;            // probe: its shape; empty while it is a mesh in a file
+  CutSurface surface = CutSurface::smooth;  // scalpel: what it opens
+  RigidShape shape;                         // probe: its shape; empty while it is a mesh in a file
   std::filesystem::path shape_file;    // probe: file of its shape, absolute or relative to the scene file
   double friction = default_friction;  // probe: friction against tissue [-]
   std::vector<PathPoint> path;         // path: times increase strictly; it acts from the first to the last

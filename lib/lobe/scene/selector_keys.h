@@ -59,13 +59,6 @@ struct Form<SelectPlane::Side> {  // where the plane has no thickness
     return side == SelectPlane::Side::above ? "above" : "below";
   }
 };
-struct PlaneSide {
-  SelectPlane::Side& operator()(SelectPlane& plane) const { return plane.side; }
-  const SelectPlane::Side* operator()(const SelectPlane& plane) const {
-    return plane.side == SelectPlane::Side::within ? nullptr : &plane.side;
-  }
-};
-
 template <>
 inline constexpr auto table_of<SelectBox> = Table("", "", Key("min", &SelectBox::min, any.required(), ""),
                                                   Key("max", &SelectBox::max, any.required(), ""));
@@ -77,14 +70,15 @@ inline constexpr auto table_of<SelectSphere> = Table("", "",
                                                          ""));
 
 template <>
-inline constexpr auto table_of<SelectPlane> =
-    Table("", R"({"oneOf": [{"required": ["within"]}, {"required": ["side"]}]})",
-          Key("point", &SelectPlane::point, any.required(), ""),
-          Key("normal", &SelectPlane::normal, any.required(), ""),
-          Key("within", Case(&SelectPlane::side, SelectPlane::Side::within, &SelectPlane::within),
-              at_least(0).in("m").optional(), "what is at most this far from the plane"),
-          Key("side", PlaneSide{}, any.optional(),
-              "above is where the normal points; the plane itself belongs to both sides"));
+inline constexpr auto table_of<SelectPlane> = Table(
+    "", R"({"oneOf": [{"required": ["within"]}, {"required": ["side"]}]})",
+    Key("point", &SelectPlane::point, any.required(), ""),
+    Key("normal", &SelectPlane::normal, any.required(), ""),
+    Key("within", Case(&SelectPlane::side, SelectPlane::Side::within, &SelectPlane::within),
+        at_least(0).in("m").optional(), "what is at most this far from the plane"),
+    Key("side",
+        When(&SelectPlane::side, [](const SelectPlane& p) { return p.side != SelectPlane::Side::within; }),
+        any.optional(), "above is where the normal points; the plane itself belongs to both sides"));
 
 template <>
 inline constexpr auto table_of<SelectNearest> = Table("", "",
@@ -115,8 +109,7 @@ inline constexpr auto table_of<Selector> = Table(
         "the `count` nearest vertices, or tetrahedra"),
     Key("label", alternative<SelectLabel>(&Selector::value), any.optional(),
         "tetrahedra with one of these labels, or of these names that the mesh's file has for labels; "
-        "vertices "
-        "of such tetrahedra"),
+        "vertices of such tetrahedra"),
     Key("body", alternative<SelectBody>(&Selector::value), any.optional(),
         "tetrahedra of the bodies of these names; their vertices"),
     Key("surface", alternative<SelectSurface>(&Selector::value), any.optional(),

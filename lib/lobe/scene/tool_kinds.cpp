@@ -19,10 +19,9 @@ bool read_turning_row(const nlohmann::json& row, Tool& tool) {
   return row.size() == 4 || row.size() == 8;
 }
 
-void write_turns(const Tool& tool, nlohmann::ordered_json& path) {
-  for (std::size_t i = 0; i < path.size(); ++i)
-    if (const Eigen::Vector4d& q = tool.path[i].orientation; q != PathPoint().orientation)
-      path[i].insert(path[i].end(), {q[0], q[1], q[2], q[3]});
+void write_turning_row(const Tool& tool, std::size_t number, nlohmann::ordered_json& row) {
+  if (const Eigen::Vector4d& q = tool.path[number].orientation; q != PathPoint().orientation)
+    row.insert(row.end(), {q[0], q[1], q[2], q[3]});
 }
 
 const ToolKind& kind_of(const Tool& tool) {

@@ -7,7 +7,7 @@ namespace lobe {
 
 // A rigid body that does not move, such as a table or the wall of a cavity.
 struct ObstacleSetup {
-  std::string name;
+  std::string name = "obstacle";
   RigidShape shape;
   Vec3d position = Vec3d::Zero();           // [m]
   Eigen::Vector4d orientation{0, 0, 0, 1};  // unit quaternion x, y, z, w

@@ -35,7 +35,7 @@ struct Tables {
 using All =
     Tables<SceneBody, Region, AutoRegions, SceneGesture, SceneThread, SceneStitch, SceneTie, SceneAttachment,
            SceneBed, SceneLigament, Time, Output, Boundary, ContactSetup, ObstacleSetup, PronyTerm>;
-using ByExample = Tables<Selector, FibreField>;  // which the pages show by examples
+using ByExample = Tables<Selector, FibreField, RigidShape>;  // which the pages show by examples
 
 }  // namespace
 

@@ -111,18 +111,22 @@ ordered_json schema_of_table(const Rows& table) {
   ordered_json schema = {{"type", "object"}, {"additionalProperties", false}}, required, properties;
   const Struct standard{};
   keys::for_each_key(table, [&](const auto& row) {
-    using Value = keys::MemberType<Struct, decltype(row.member)>;
-    ordered_json& property = properties[row.key] = schema_of_value<Value>(row.takes);
-    if (row.takes.is_required)
-      required.push_back(row.key);
-    else if (row.takes.has_default)
-      property["default"] = shortened(keys::write_value(std::invoke(row.member, standard)));
+    ordered_json& property = properties[row.key];
+    if (row.takes.is_required) required.push_back(row.key);
+    if constexpr (requires { row.member.table; }) {
+      property = schema_of_table<Struct>(row.member.table);
+    } else {
+      using Value = keys::MemberType<Struct, decltype(row.member)>;
+      property = schema_of_value<Value>(row.takes);
+      if (!row.takes.is_required && row.takes.has_default)
+        property["default"] = shortened(keys::write_value(std::invoke(row.member, standard)));
+    }
     const std::string text = description(row.takes, row.sentence);
     if (!text.empty()) property["description"] = text;
   });
   if (!required.empty()) schema["required"] = required;
   if (const std::string rules = table.rules; !rules.empty()) schema.update(ordered_json::parse(rules));
-  schema["properties"] = properties;
+  if (!properties.is_null()) schema["properties"] = properties;
   return schema;
 }
 
@@ -176,6 +180,7 @@ std::string item_in_words() {
 template <class Value>
 std::string type_in_words(const Takes& takes) {
   if (*takes.type) return takes.type;
+  if constexpr (std::same_as<Value, RigidShape>) return "shape";
   if constexpr (keys::HasWords<Value>) {
     std::string words;
     for (const char* word : keys::words_of<Value>)

@@ -2,16 +2,60 @@
 #pragma once
 
 #include "lobe/scene/key_table.h"
-#include "lobe/scene/read_shape.h"
 
 namespace lobe::keys {
 
 template <>
-struct Form<RigidShape> {
-  static constexpr const char *schema = R"({"$ref": "#/definitions/shape"})", *type = "shape";
-  static void read(const nlohmann::json& given, RigidShape& shape) { shape = read_shape(given); }
-  static nlohmann::ordered_json write(const RigidShape& shape) { return write_shape(shape, {}); }
+struct Form<Eigen::Vector3i> {
+  static constexpr const char* schema =
+      R"({"type": "array", "minItems": 3, "maxItems": 3, "items": {"$ref": "#/definitions/index"}})";
+  static void read(const nlohmann::json& given, Eigen::Vector3i& value) {
+    for (int i = 0; i < 3; ++i) given[std::size_t(i)].get_to(value[i]);
+  }
+  static nlohmann::ordered_json write(const Eigen::Vector3i& value) { return {value[0], value[1], value[2]}; }
 };
+
+inline constexpr Takes edges = any.in("m").required().as(
+    R"({"type": "array", "minItems": 3, "maxItems": 3, "items": {"type": "number", "exclusiveMinimum": 0}})",
+    "[x, y, z]");
+
+template <>
+inline constexpr auto table_of<RigidShape> = Table(
+    "shape", R"({"minProperties": 1, "maxProperties": 1, "description":
+                 "Shape of a rigid body. Its origin is the body's position."})",
+    Key("sphere",
+        Inner(&RigidShape::kind, RigidShape::Kind::sphere,
+              Table("", "", Key("radius", &RigidShape::radius, above(0).in("m").required(), ""))),
+        any.optional(), "about the origin"),
+    Key("capsule",
+        Inner(&RigidShape::kind, RigidShape::Kind::capsule,
+              Table("", "", Key("radius", &RigidShape::radius, above(0).in("m").required(), ""),
+                    Key("length", &RigidShape::length, at_least(0).in("m").required(),
+                        "length of its axis, from the origin along z"))),
+        any.optional(), "a shaft with a round tip about the origin"),
+    Key("box",
+        Inner(&RigidShape::kind, RigidShape::Kind::box,
+              Table("", "", Key("size", &RigidShape::size, edges, "its edges"))),
+        any.optional(), "about the origin"),
+    Key("plane", Inner(&RigidShape::kind, RigidShape::Kind::plane, Table("", "")), any.optional(),
+        "all that is below z = 0: a table"),
+    Key("jaws",
+        Inner(&RigidShape::kind, RigidShape::Kind::jaws,
+              Table("", "",
+                    Key("size", &RigidShape::size, edges,
+                        "width along x, thickness along y and length along z of each"))),
+        any.optional(),
+        "two boxes that start at the origin, one above and one below the plane y = 0, and open in parallel"),
+    Key("mesh",
+        Inner(&RigidShape::kind, RigidShape::Kind::mesh,
+              Table("", R"({"dependencies": {"points": ["triangles"], "triangles": ["points"]},
+                            "oneOf": [{"required": ["file"]}, {"required": ["points"]}]})",
+                    Key("file", NotKept<std::filesystem::path>{}, any.items(1).optional(),
+                        "OBJ or VTP, in metres, relative to the scene file"),
+                    Key("points", &RigidShape::points, any.in("m").items(4).optional(), "vertices"),
+                    Key("triangles", &RigidShape::triangles, any.items(4).optional(),
+                        "counter-clockwise seen from outside"))),
+        any.optional(), "a closed triangle mesh"));
 
 template <>
 inline constexpr auto table_of<ObstacleSetup> = Table(

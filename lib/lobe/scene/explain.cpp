@@ -170,8 +170,7 @@ class Explainer {
   void check_unique(const json& array, const std::string& place) {
     std::set<json> found;
     for (std::size_t i = 0; i < array.size(); ++i)
-      if (!found.insert(array[i]).second)
-        add(child_pointer(place, i), excerpt(array[i]) + " is given twice");
+      if (!found.insert(array[i]).second) add(child_pointer(place, i), excerpt(array[i]) + " is given twice");
   }
 
   void check_object(const json& object, const json& schema, const std::string& place) {

@@ -180,6 +180,14 @@ struct Table {
   std::tuple<Rows...> rows;
   constexpr Table(const char* d, const char* r, Rows... all) : definition(d), rules(r), rows(all...) {}
 };
+// For a member: an object with keys of the same struct, which has a certain value where the object is.
+template <class Struct, class Tag, class... Rows>
+struct Inner {
+  Tag Struct::*tag;
+  Tag said;
+  Table<Rows...> table;
+  constexpr Inner(Tag Struct::*t, Tag s, Table<Rows...> rows) : tag(t), said(s), table(rows) {}
+};
 struct NoTable {};
 template <class Struct>
 inline constexpr NoTable table_of{};
@@ -279,10 +287,14 @@ template <class Struct, class... Rows>
 void read_rows(const Table<Rows...>& table, const nlohmann::json& object, Struct& value,
                const std::string& place) {
   for_each_key(table, [&](const auto& row) {
-    if constexpr (!requires { row.member.is_not_kept; }) {
-      const auto found = object.find(row.key);
-      if (found != object.end())
-        read_value(*found, std::invoke(row.member, value), child_pointer(place, row.key));
+    const auto found = object.find(row.key);
+    if (found == object.end()) return;
+    const std::string at = child_pointer(place, row.key);
+    if constexpr (requires { row.member.table; }) {
+      value.*row.member.tag = row.member.said;
+      read_rows(row.member.table, *found, value, at);
+    } else if constexpr (!requires { row.member.is_not_kept; }) {
+      read_value(*found, std::invoke(row.member, value), at);
     }
   });
 }
@@ -350,10 +362,16 @@ template <class Struct, class... Rows>
 void write_rows(const Table<Rows...>& table, const Struct& value, nlohmann::ordered_json& object) {
   static const Struct standard{};
   for_each_key(table, [&](const auto& row) {
-    const auto& member = std::invoke(row.member, value);
-    constexpr bool may_be_null = std::is_pointer_v<std::remove_cvref_t<decltype(member)>>;
-    if ((may_be_null || row.takes.is_quiet) && is_default(member, std::invoke(row.member, standard))) return;
-    object[row.key] = write_value(member);
+    if constexpr (requires { row.member.table; }) {
+      if (value.*row.member.tag == row.member.said)
+        write_rows(row.member.table, value, object[row.key] = nlohmann::ordered_json::object());
+    } else {
+      const auto& member = std::invoke(row.member, value);
+      constexpr bool may_be_null = std::is_pointer_v<std::remove_cvref_t<decltype(member)>>;
+      if ((may_be_null || row.takes.is_quiet) && is_default(member, std::invoke(row.member, standard)))
+        return;
+      object[row.key] = write_value(member);
+    }
   });
 }
 

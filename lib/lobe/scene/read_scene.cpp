@@ -10,6 +10,7 @@
 #include "lobe/scene/json_text.h"
 #include "lobe/scene/material_constants.h"
 #include "lobe/scene/material_keys.h"
+#include "lobe/scene/read_shape.h"
 #include "lobe/scene/scene_document.h"
 #include "lobe/scene/scene_keys.h"
 #include "lobe/scene/tissues.h"

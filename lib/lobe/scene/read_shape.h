@@ -7,9 +7,8 @@
 
 namespace lobe {
 
-// Reads the shape of a document that satisfies the schema. A mesh in a file is read later.
-RigidShape read_shape(const nlohmann::json& entry);
-std::filesystem::path shape_file(const nlohmann::json& entry);  // file of its mesh; empty: it has none
+// The file of a shape in a document that satisfies the schema; empty: it has none. Its mesh is read later.
+std::filesystem::path shape_file(const nlohmann::json& entry);
 nlohmann::ordered_json write_shape(const RigidShape& shape, const std::filesystem::path& file);
 // Reads the mesh if it is in a file, and checks the shape. Returns none if there are faults.
 std::optional<RigidShape> resolve_shape(Resolution& resolution, const RigidShape& shape,

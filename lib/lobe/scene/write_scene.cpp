@@ -1,6 +1,7 @@
 #include "lobe/scene/write_scene.h"
 
 #include "lobe/scene/material_keys.h"
+#include "lobe/scene/read_shape.h"
 #include "lobe/scene/scene_document.h"
 #include "lobe/scene/scene_keys.h"
 #include "lobe/scene/tool_kinds.h"

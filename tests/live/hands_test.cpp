@@ -77,6 +77,21 @@ TEST_CASE("a probe that a hand brings into the body is told of, and one beside i
   CHECK(times_said(session, "inside", "hand 1 of mouse: its probe begins inside the body") == 1);
 }
 
+TEST_CASE("a blade that cuts wholly inside the body is told of once, and one whose heel is outside is not") {
+  for (const bool is_inside : {false, true}) {
+    CAPTURE(is_inside);
+    Session<float> session(block());
+    Controller mouse = session.connect("mouse");
+    const Vec3d tip = top - 2 * lift, heel = is_inside ? Vec3d(top - lift) : Vec3d(top + lift);
+    REQUIRE(mouse.send(bring_tool(1, tip, BringScalpel{"", {tip, heel}})));
+    step(session, 12);
+    CHECK(times_said(session, "blade_inside") == 0);  // it does not cut yet
+    mouse.send(turn_on(Kind::turn_on, true));
+    step(session, 30);
+    CHECK(times_said(session, "blade_inside", "hand 1 of mouse: its blade is wholly inside") == is_inside);
+  }
+}
+
 TEST_CASE("a ray takes hold where it meets the body as it is now, and says so where it misses") {
   const Setup setup = block();
   SessionOptions options;

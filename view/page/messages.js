@@ -17,6 +17,7 @@ const words = {
   torn: 'A stitch has torn out of the tissue.',
   broken: 'A thread has broken.',
   slipped: 'The grip slipped off: it was pulled too hard.',
+  blade_inside: 'The blade is wholly inside: this cut opens nowhere. Draw it out a little.',
   missed: 'There is nothing to take hold of.',
 };
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <type_traits>
 #include <utility>
 
@@ -95,15 +96,38 @@ void Hands<Real>::bring(int controller, const HandCommand& command) {
   hand.tool = tool;
   hand.is_leading = true;
   hand.filter = PoseFilter(command.position);
+  hand.looked = -std::numeric_limits<double>::infinity();
+}
+
+template <class Real>
+bool Hands<Real>::lies_in_body(const Vec3d& point) const {
+  const Elements& elements = world_.elements();
+  return lies_in<Real>(elements.topology, elements.points.view(), world_.displacements(), point);
 }
 
 template <class Real>
 void Hands<Real>::warn_of_inside(const Hand& hand, const Vec3d& position) {
-  const Elements& elements = world_.elements();
-  if (lies_in<Real>(elements.topology, elements.points.view(), world_.displacements(), position))
+  if (lies_in_body(position))
     say("inside", name_of(hand.controller, hand.number) +
                       ": its probe begins inside the body, and feels nothing of it where it touches no "
                       "surface: take it out");
+}
+
+// What a blade cuts that is wholly inside is a closed pocket: nothing opens. It is looked for ten times a
+// second, since that asks every tetrahedron.
+template <class Real>
+void Hands<Real>::watch_blade(Hand& hand) {
+  constexpr double between = 0.1;  // [s]
+  if (hand.is_told || world_.time() < hand.looked + between) return;
+  hand.looked = world_.time();
+  world_.tools().visit(hand.tool, [&]<class Kind>(const Kind& tool) {
+    if constexpr (std::is_same_v<Kind, Scalpel>)
+      hand.is_told = tool.cuts && lies_in_body(tool.pose.tip) && lies_in_body(tool.pose.heel);
+  });
+  if (hand.is_told)
+    say("blade_inside", name_of(hand.controller, hand.number) +
+                            ": its blade is wholly inside the body: what it cuts opens nowhere; draw the "
+                            "heel out, or make the blade longer");
 }
 
 template <class Real>
@@ -238,6 +262,8 @@ void Hands<Real>::begin_to_lead(Hand& hand) {
 template <class Real>
 void Hands<Real>::after_frame() {
   for (Hand& hand : hands_) {
+    if (hand.tool == 0) continue;
+    watch_blade(hand);
     const Grasp* grasp = world_.tools().grasp(hand.tool);
     if (!grasp) continue;
     if (!hand.is_leading) begin_to_lead(hand);

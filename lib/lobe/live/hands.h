@@ -58,6 +58,8 @@ class Hands {
     Vec3d arm = Vec3d::Zero();         // arm from where it took hold to the centre of what it holds [m]
     Eigen::Vector4d turn{0, 0, 0, 1};  // orientation when it was brought: a quaternion x, y, z, w
     Index vertices = 0;                // vertices that it holds
+    double looked = 0;                 // when its blade was last looked at [s]
+    bool is_told = false;              // whether it was said that its blade cuts inside the body
     PoseFilter filter = {};
   };
 
@@ -67,6 +69,8 @@ class Hands {
   void turn_on(const HandCommand& command, Hand& hand);
   void let_go(Hand& hand);
   void warn_of_inside(const Hand& hand, const Vec3d& position);
+  void watch_blade(Hand& hand);
+  bool lies_in_body(const Vec3d& point) const;
   Hand* find(int controller, HandNumber number);
   const Hand* find(int controller, HandNumber number) const;
   Hand& empty_hand(int controller, HandNumber number);

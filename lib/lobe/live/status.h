@@ -17,6 +17,7 @@ namespace lobe {
 //   controller_gone  its hands have let go
 //   tool_gone        the application let go of a hand's tool between two frames: the hand is empty
 //   inside           a probe was brought whose position lies in the body
+//   blade_inside     a hand's blade cuts and lies wholly in the body: what it cuts opens nowhere
 //   refused          a command that is malformed, or concerns a hand or tetrahedron that is not there:
 //                    nothing was done
 //   haptic_gone, haptic_pose  a haptic device does not answer, or not with a pose (haptic/): its force fades

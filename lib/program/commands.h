@@ -85,6 +85,7 @@ int refine(const RefineOptions& options);
 struct ConvertOptions {
   std::filesystem::path mesh, output;
   double scale = 1;
+  std::string labels;  // the cell array that has them; empty: read_mesh() chooses
 };
 int convert(const ConvertOptions& options);
 

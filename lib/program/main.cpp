@@ -178,6 +178,7 @@ void add_convert(CLI::App& app, ConvertOptions& options, Action& action) {
   command->add_option("--scale", options.scale, "what coordinates are multiplied by: 0.001 from millimetres")
       ->check(CLI::Range(1e-9, 1e9))
       ->capture_default_str();
+  command->add_option("--labels", options.labels, "cell array of a .vtu or .vtk that has the labels");
   command->callback([&] { action = [&] { return convert(options); }; });
 }
 

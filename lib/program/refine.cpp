@@ -6,7 +6,8 @@
 #include "commands.h"
 #include "console.h"
 #include "lobe/error.h"
-#include "lobe/io/mesh_io.h"
+#include "lobe/io/grouped_mesh.h"
+#include "lobe/io/labelled_mesh.h"
 
 namespace lobe::program {
 namespace {
@@ -26,14 +27,18 @@ std::vector<DataArray> data_arrays(Arrays& arrays) {
   return result;
 }
 
-void write(const std::filesystem::path& output, MeshFile& file) {
-  if (!file.surfaces.empty() || !file.label_names.empty())
-    print_warnings({output.string() + ": the groups of surfaces and the names of labels are left out"});
+// Groups are those of the mesh as it is written.
+void write(const std::filesystem::path& output, MeshFile& file, Groups groups) {
+  const bool has_groups = !file.surfaces.empty() || !file.label_names.empty(), holds = holds_groups(output);
+  if (has_groups && (groups.empty() || !holds))
+    print_warnings({output.string() + ": the groups of surfaces and the names of labels are left out" +
+                    (holds ? "" : "; .msh holds them")});
+  if (!holds) groups = {};
   if (output.extension() == ".vtu")
     return write_vtu(output, file.mesh, data_arrays(file.point_data), data_arrays(file.cell_data));
   if (!file.point_data.empty() || !file.cell_data.empty())
     print_warnings({output.string() + ": only .vtu holds arrays; those of the mesh are left out"});
-  write_mesh(output, file.mesh);
+  write_grouped_mesh(output, file.mesh, groups);
 }
 
 }  // namespace
@@ -49,7 +54,7 @@ int refine(const RefineOptions& options) {
   else
     for (int i = 0; i < options.times; ++i) refine_once(file);
   const Index after = file.mesh.tet_count(), vertices = file.mesh.vertex_count();
-  write(options.output, file);
+  write(options.output, file, {});
   std::printf("%d tetrahedra became %d, with %d vertices\nwritten to %s\n", before, after, vertices,
               options.output.string().c_str());
   return done;
@@ -58,12 +63,13 @@ int refine(const RefineOptions& options) {
 int convert(const ConvertOptions& options) {
   if (!can_write_mesh(options.output))
     throw InputError(options.output.string(), "no mesh is written with this extension; .vtu is");
-  MeshFile file = read_mesh(options.mesh);
+  MeshFile file =
+      options.labels.empty() ? read_mesh(options.mesh) : read_labelled_mesh(options.mesh, options.labels);
   print_warnings(file.warnings());
   file.mesh.points *= options.scale;
   const Vec3d size = bounding_box(file.mesh).max - bounding_box(file.mesh).min;
   const Index vertices = file.mesh.vertex_count(), tets = file.mesh.tet_count();
-  write(options.output, file);
+  write(options.output, file, {file.surfaces, file.label_names});
   std::printf("%d vertices, %d tetrahedra, %g × %g × %g m\nwritten to %s\n", vertices, tets, size.x(),
               size.y(), size.z(), options.output.string().c_str());
   return done;

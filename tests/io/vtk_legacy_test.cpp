@@ -1,4 +1,6 @@
+#include "folder.h"
 #include "io/fixture.h"
+#include "lobe/io/labelled_mesh.h"
 #include "lobe/io/raw_mesh.h"
 
 using namespace lobe;
@@ -59,6 +61,23 @@ TEST_CASE("legacy VTK: between several arrays of whole numbers it does not choos
       read_legacy(legacy_head + points + cells + arrays + "SCALARS label int\nLOOKUP_TABLE d\n8 9\n");
   CHECK(known.mesh.labels == std::vector<int>{8, 9});
   CHECK(known.notes.empty());
+}
+
+TEST_CASE("legacy VTK: of several arrays of whole numbers the only one with a usual name is taken") {
+  const std::string arrays = "CELL_DATA 2\nFIELD f 2\nitem 1 2 int\n3 4\nRegionID 1 2 int\n1 2\n";
+  const MeshFile file = read_legacy(legacy_head + points + cells + arrays);
+  CHECK(file.mesh.labels == std::vector<int>{1, 2});
+  REQUIRE(file.notes.size() == 1);
+  CHECK_CONTAINS(file.notes[0],
+                 "labels are those of the cell array \"RegionID\" (1, 2), not those of \"item\" (3, 4)");
+  const test::Folder folder;
+  const auto with = [&](const std::string& name) {
+    return read_labelled_mesh(folder.write("a.vtk", legacy_head + points + cells + arrays), name);
+  };
+  CHECK(with("item").mesh.labels == std::vector<int>{3, 4});
+  CHECK(with("item").notes.empty());
+  CHECK_CONTAINS(fixture::fault_of([&] { with("else"); }),
+                 "has no cell array \"else\" of single numbers, but item, RegionID");
 }
 
 TEST_CASE("legacy VTK: numbers that tell cells apart are no labels") {

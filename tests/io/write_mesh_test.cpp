@@ -1,5 +1,5 @@
 #include "io/fixture.h"
-#include "lobe/io/mesh_io.h"
+#include "lobe/io/grouped_mesh.h"
 
 using namespace lobe;
 
@@ -21,6 +21,32 @@ TEST_CASE("every format that is written reads back as the same mesh, bit for bit
     CHECK(read.ignored_cells == 0);
   }
   CHECK(folder.file_count() == 10);  // TetGen's come in pairs, and nothing else stays behind
+}
+
+TEST_CASE("groups of triangles and names read back from the formats that hold them") {
+  const fixture::Folder folder;
+  const TetMesh mesh = fixture::two_cubes();
+  const Groups groups{{{3, "held side", {{{0, 1, 2}}, {{1, 2, 3}}}}, {7, "", {{{4, 5, 6}}}}},
+                      {{1, "soft"}, {2, "stiff"}}};
+  for (const std::string name : {"a.msh", "a.msh2", "a.mesh"}) {
+    CAPTURE(name);
+    REQUIRE(holds_groups(folder.path / name));
+    write_grouped_mesh(folder.path / name, mesh, groups);
+    const MeshFile read = read_mesh(folder.path / name);
+    const bool has_names = name != "a.mesh";
+    CHECK(read.mesh.tets == mesh.tets);
+    CHECK(read.mesh.labels == mesh.labels);
+    REQUIRE(read.surfaces.size() == 2);
+    for (std::size_t g = 0; g < 2; ++g) {
+      CHECK(read.surfaces[g].number == groups.surfaces[g].number);
+      CHECK(read.surfaces[g].name == (has_names ? groups.surfaces[g].name : ""));
+      CHECK(read.surfaces[g].triangles == groups.surfaces[g].triangles);
+    }
+    CHECK((read.label_names == groups.label_names) == has_names);
+  }
+  CHECK_FALSE(holds_groups("a.vtu"));
+  CHECK_CONTAINS(fixture::fault_of([&] { write_grouped_mesh(folder.path / "a.vtk", mesh, groups); }),
+                 "this format holds no groups");
 }
 
 TEST_CASE("a mesh without labels reads back with labels 0") {

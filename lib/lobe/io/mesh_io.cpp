@@ -1,6 +1,7 @@
 #include "lobe/io/mesh_io.h"
 
 #include "lobe/error.h"
+#include "lobe/io/labelled_mesh.h"
 #include "lobe/io/raw_mesh.h"
 
 namespace lobe {
@@ -39,6 +40,13 @@ MeshFile read_mesh(const std::filesystem::path& file) {
                    "unknown extension '" + extension +
                        "', expected .vtu, .vtk, .msh, .msh2, .mesh, .node or .ele; surfaces (.stl, .obj, "
                        ".ply, .off, .vtp) are meshed by lobe-mesh");
+}
+
+MeshFile read_labelled_mesh(const std::filesystem::path& file, const std::string& labels) {
+  const std::string name = file.string(), extension = io::lower_case(file.extension().string());
+  if (extension == ".vtu") return io::read_vtu(name, io::read_file(file), labels);
+  if (extension == ".vtk") return io::finish(io::read_vtk_legacy(name, io::read_file(file), labels), name);
+  throw InputError(name, "only .vtu and .vtk have cell arrays to take labels from");
 }
 
 }  // namespace lobe

@@ -34,9 +34,10 @@ MeshFile finish(RawMesh raw, const std::string& name, std::vector<Index>* kept =
 
 RawMesh read_gmsh(const std::string& name, std::string_view bytes);
 RawMesh read_medit(const std::string& name, std::string_view bytes);
-RawMesh read_vtk_legacy(const std::string& name, std::string_view bytes);
+// `labels`: the cell array that has them; empty: see mesh_io.h.
+RawMesh read_vtk_legacy(const std::string& name, std::string_view bytes, std::string_view labels = {});
 RawMesh read_tetgen(const std::string& node_name, std::string_view node, const std::string& ele_name,
                     std::string_view ele);
-MeshFile read_vtu(const std::string& name, std::string_view bytes);
+MeshFile read_vtu(const std::string& name, std::string_view bytes, std::string_view labels = {});
 
 }  // namespace lobe::io

@@ -148,7 +148,8 @@ std::vector<int> labels_of(const std::vector<double>& values, const std::vector<
 bool is_identifier(const CellArray& array) {
   static constexpr std::string_view names[] = {"globalids",      "globalelementid", "vtkoriginalcellids",
                                                "vtkghosttype",   "vtkghostlevels",  "pedigreeids",
-                                               "originalcellid", "cellids",         "elementid"};
+                                               "originalcellid", "cellids",         "elementid",
+                                               "cell_id",        "cellid",          "element_id"};
   const std::string name = lower_case(array.name);
   if (std::find(std::begin(names), std::end(names), name) != std::end(names)) return true;
   const std::set<double> different(array.values.begin(), array.values.end());
@@ -170,14 +171,40 @@ std::string values_of(const std::vector<double>& values, const std::vector<std::
 // Names under which labels are looked for, the first that is present wins.
 constexpr const char* label_names[] = {"label", "gmsh:physical", "medit:ref", "CellEntityIds"};
 
+// What other programs call them, in small letters. Of several arrays the one with such a name is taken.
+constexpr std::string_view names_elsewhere[] = {
+    "labels",    "label_id", "material",      "materials",        "materialid", "material_id",
+    "regionid",  "region",   "modelregionid", "gmsh:geometrical", "attribute",  "attributes",
+    "subdomain", "part",     "partid",        "part_id"};
+
+const CellArray* only_known(const std::vector<const CellArray*>& arrays) {
+  std::vector<const CellArray*> known;
+  for (const CellArray* array : arrays)
+    if (std::ranges::find(names_elsewhere, lower_case(array->name)) != std::end(names_elsewhere))
+      known.push_back(array);
+  return known.size() == 1 ? known[0] : nullptr;
+}
+
+const CellArray& array_named(std::string_view name, const std::vector<CellArray>& arrays,
+                             const std::string& place) {
+  std::string list;
+  for (const CellArray& array : arrays) {
+    if (array.name == name) return array;
+    list += (list.empty() ? "" : ", ") + array.name;
+  }
+  throw InputError(place, "has no cell array \"" + std::string(name) + "\" of single numbers" +
+                              (list.empty() ? "" : ", but " + list));
+}
+
 }  // namespace
 
 std::string take_labels(const std::vector<CellArray>& arrays, const std::vector<std::size_t>& tets,
-                        const std::string& place, RawMesh& raw) {
+                        const std::string& place, std::string_view wanted, RawMesh& raw) {
   const auto take = [&](const CellArray& array) {
     raw.labels = labels_of(array.values, tets, place + ": " + array.name);
     return array.name;
   };
+  if (!wanted.empty()) return take(array_named(wanted, arrays, place));
   for (const char* name : label_names)
     for (const CellArray& array : arrays)
       if (array.name == name) return take(array);
@@ -192,10 +219,18 @@ std::string take_labels(const std::vector<CellArray>& arrays, const std::vector<
     raw.notes.push_back("labels are those of the cell array " + described(*whole[0]));
     return take(*whole[0]);
   }
+  if (const CellArray* known = only_known(whole)) {
+    std::string others;
+    for (const CellArray* array : whole)
+      if (array != known) others += (others.empty() ? "" : ", ") + described(*array);
+    raw.notes.push_back("labels are those of the cell array " + described(*known) + ", not those of " +
+                        others + "; lobe convert --labels ARRAY takes another");
+    return take(*known);
+  }
   std::string list;
   for (const CellArray* array : whole) list += (list.empty() ? "" : ", ") + described(*array);
   raw.notes.push_back("labels are all 0: it has several cell arrays of whole numbers, " + list +
-                      "; call the one that has the labels \"label\"");
+                      "; lobe convert --labels ARRAY takes one of them");
   return "";
 }
 

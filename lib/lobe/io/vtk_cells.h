@@ -29,10 +29,10 @@ struct CellArray {
   bool is_whole = false;  // the array is of whole numbers, by its type
 };
 
-// Takes the labels of the tetrahedra from the array that has a known name, else from the only one of whole
-// numbers. Notes of `raw` say which, or between which it cannot choose. Returns its name, empty if it took
-// none.
+// Takes the labels of the tetrahedra from the array `wanted`. Without such a wish from the one that has a
+// known name, else from the only one of whole numbers. Notes of `raw` say which, or between which it cannot
+// choose. Returns its name, empty if it took none.
 std::string take_labels(const std::vector<CellArray>& arrays, const std::vector<std::size_t>& tets,
-                        const std::string& place, RawMesh& raw);
+                        const std::string& place, std::string_view wanted, RawMesh& raw);
 
 }  // namespace lobe::io

@@ -114,7 +114,7 @@ std::vector<double> read_legacy_array(Scanner& scan, std::string_view type, std:
   return values;
 }
 
-RawMesh read_vtk_legacy(const std::string& name, std::string_view bytes) {
+RawMesh read_vtk_legacy(const std::string& name, std::string_view bytes, std::string_view labels) {
   Scanner scan(name, bytes);
   const auto [version, dataset] = read_legacy_header(scan);
   if (dataset != "unstructured_grid")
@@ -130,7 +130,7 @@ RawMesh read_vtk_legacy(const std::string& name, std::string_view bytes) {
   }
   if (!mesh.has_cells) scan.fail("the file has no CELLS; it is truncated");
   const auto tets = add_tetrahedra(mesh.cells, name, mesh.raw);
-  take_labels(arrays, tets, name, mesh.raw);
+  take_labels(arrays, tets, name, labels, mesh.raw);
   return std::move(mesh.raw);
 }
 

@@ -53,7 +53,7 @@ Polygons read_vtu_surface(const std::string& name, std::string_view bytes) {
   return polygons;
 }
 
-MeshFile read_vtu(const std::string& name, std::string_view bytes) {
+MeshFile read_vtu(const std::string& name, std::string_view bytes, std::string_view labels) {
   VtkXml xml;
   parse_vtk_xml(name, bytes, "UnstructuredGrid", xml);
   RawMesh raw;
@@ -62,7 +62,8 @@ MeshFile read_vtu(const std::string& name, std::string_view bytes) {
   const auto tets = add_tetrahedra(cells, name, raw);
   VtkData point_data = read_vtk_data(xml, "PointData", raw.coordinates.size() / 3);
   VtkData cell_data = read_vtk_data(xml, "CellData", cells.types.size());
-  if (take_labels(single_values(xml, cell_data), tets, name, raw) == "label") cell_data.erase("label");
+  const std::string taken = take_labels(single_values(xml, cell_data), tets, name, labels, raw);
+  if (taken == "label" || !labels.empty()) cell_data.erase("label");
   std::vector<Index> kept;
   MeshFile file = finish(std::move(raw), name, &kept);
   take_fibres(cell_data, tets, file.mesh);

@@ -5,12 +5,13 @@
 
 #include "lobe/error.h"
 #include "lobe/text.h"
-#include "lobe_mesh/area.h"
+#include "lobe_mesh/expected_tets.h"
 
 namespace lobe::meshing {
 namespace {
 
 constexpr double most_tets = 20e6;
+constexpr double largest_organ = 2;  // [m] across
 
 void check_numbers(const MeshOptions& options, std::vector<Fault>& faults) {
   const auto positive = [&](const std::string& name, double value, bool zero_too = false) {
@@ -57,28 +58,13 @@ void check_labels(const MeshOptions& options, const Model& model, std::vector<Fa
     faults.push_back({"--mesher tetgen", "fills closed surfaces only: use --mesher cgal for a label image"});
 }
 
-}  // namespace
-
-// Where a body is thin or has spikes, each face of the boundary needs about one tetrahedron.
-double expected_tets(const MeshOptions& options, const Model& model) {
-  double tets = 0, smaller_balls = 0;
-  for (int region = 0; region < model.region_count(); ++region) {
-    const auto asked = options.label_edges.find(model.labels[region]);
-    const double edge = asked == options.label_edges.end() ? options.edge : asked->second;
-    double faces = 0;
-    for (std::size_t k = 0; k < model.surfaces.size(); ++k) {
-      if (model.sides[k].inside == region)
-        faces += area(model.surfaces[k]) / (std::numbers::sqrt3 / 4 * edge * edge);
-    }
-    tets += std::max(model.volumes[region] / regular_volume(edge), faces);
-  }
-  for (const SizeBall& ball : options.balls) {
-    const double volume =
-        std::min(4.0 / 3 * std::numbers::pi * std::pow(ball.radius, 3), model.total_volume());
-    smaller_balls += volume / regular_volume(ball.edge);
-  }
-  return tets + smaller_balls;
+std::string remedy_for_size(double diagonal) {
+  if (diagonal <= largest_organ) return "choose a longer edge (or --scale, if the units are wrong)";
+  return "the body is " + rounded(diagonal) +
+         " m large; if the file is in millimetres, use --scale 0.001, else choose a longer edge";
 }
+
+}  // namespace
 
 void check_options(const MeshOptions& options, const Model& model) {
   std::vector<Fault> faults;
@@ -95,7 +81,7 @@ void check_options(const MeshOptions& options, const Model& model) {
     throw InputError("edge",
                      rounded(options.edge) + " m would give about " + rounded(std::round(tets / 1e6)) +
                          " million tetrahedra, at most " + rounded(most_tets / 1e6) +
-                         " million are made: choose a longer edge (or --scale, if the units are wrong)");
+                         " million are made: " + remedy_for_size(diagonal));
   }
 }
 

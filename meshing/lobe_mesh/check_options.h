@@ -12,9 +12,6 @@ namespace lobe::meshing {
 // Throws InputError for numbers out of range, and for edges that would give next to nothing or too much.
 void check_options(const MeshOptions& options, const Model& model);
 
-// How many tetrahedra about there will be.
-double expected_tets(const MeshOptions& options, const Model& model);
-
 inline double regular_volume(double edge) { return edge * edge * edge / (6 * std::numbers::sqrt2); }
 inline double regular_edge(double volume) { return std::cbrt(volume * 6 * std::numbers::sqrt2); }
 

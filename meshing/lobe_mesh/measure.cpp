@@ -7,18 +7,27 @@
 #include "lobe/sim/rest_time_step.h"
 #include "lobe/text.h"
 #include "lobe_mesh/check_options.h"
+#include "lobe_mesh/expected_tets.h"
 #include "lobe_mesh/relax.h"
 
 namespace lobe::meshing {
 namespace {
 
 void warn_of_volume(const std::string& whose, double error, const std::string& remedy, MeshReport& report) {
-  if (std::abs(error) <= 5) return;
+  if (std::abs(error) <= kept_volume) return;
   report.warnings.push_back(whose + " differs from the input's by " + rounded(std::round(10 * error) / 10) +
                             " %: " + remedy);
 }
 
-void measure_parts(const TetMesh& mesh, const Model& model, MeshReport& report) {
+std::string remedy_for_label(const Model& model, int region, const MeshOptions& options,
+                             const MeshReport& report) {
+  const double edge = edge_within(model, region);
+  return "choose a shorter edge for it (--label-edge " + std::to_string(model.labels[std::size_t(region)]) +
+         "=" + (edge > 0 && edge < report.edge ? rounded(edge) : "EDGE") +
+         (options.keep_thin || options.mesher != Mesher::cgal ? ")" : ", or --keep-thin)");
+}
+
+void measure_parts(const TetMesh& mesh, const Model& model, const MeshOptions& options, MeshReport& report) {
   report.parts.assign(model.labels.size(), {});
   for (Index t = 0; t < mesh.tet_count(); ++t) {
     MeshReport::Part& part = report.parts[mesh.labels[t]];
@@ -30,7 +39,7 @@ void measure_parts(const TetMesh& mesh, const Model& model, MeshReport& report) 
     part.label = model.labels[k];
     part.surface_volume = model.volumes[k];
     const std::string label = std::to_string(part.label);
-    const std::string remedy = "choose a shorter edge for it (--label-edge " + label + "=EDGE)";
+    const std::string remedy = remedy_for_label(model, int(k), options, report);
     if (part.tets == 0)
       report.warnings.push_back("no tetrahedra in label " + label + ": " + remedy);
     else if (report.parts.size() > 1)
@@ -56,12 +65,23 @@ Index MeshReport::missing_labels() const {
       std::count_if(parts.begin(), parts.end(), [](const Part& part) { return part.tets == 0; }));
 }
 
+double largest_volume_error(const MeshReport& report) {
+  double largest = 0;
+  for (const MeshReport::Part& part : report.parts)
+    if (part.tets > 0) largest = std::max(largest, std::abs(part.volume_error()));
+  return largest;
+}
+
 double MeshReport::largest_gap() const { return std::max(surface_to_mesh.largest, mesh_to_surface.largest); }
 
-bool MeshReport::has_good_shapes() const {
-  return quality.min_dihedral >= quality_gate.min_dihedral && time_step_star >= quality_gate.time_step_star &&
-         quality.smallest_altitude_ratio >= quality_gate.smallest_altitude_ratio;
+double shape_of(const MeshReport& report) {
+  const Quality& quality = report.quality;
+  return std::min({quality.min_dihedral / quality_gate.min_dihedral,
+                   quality.smallest_altitude_ratio / quality_gate.smallest_altitude_ratio,
+                   report.time_step_star / quality_gate.time_step_star});
 }
+
+bool MeshReport::has_good_shapes() const { return shape_of(*this) >= 1; }
 
 bool MeshReport::passes() const {
   return missing_labels() == 0 && largest_gap() <= quality_gate.gap * longest_edge && has_good_shapes();
@@ -82,7 +102,7 @@ void measure(const TetMesh& mesh, const Model& model, const MeshOptions& options
   const double poisson_ratio = options.lambda / (2 * (options.lambda + options.mu));
   report.bottleneck = slowest_vertex(mesh, {.edge = edge, .poisson_ratio = poisson_ratio});
   measure_faces(mesh, report);
-  measure_parts(mesh, model, report);
+  measure_parts(mesh, model, options, report);
   warn_of_volume("the mesh's volume", report.volume_error, "choose a shorter --edge", report);
 }
 

@@ -6,6 +6,7 @@
 #include "lobe/text.h"
 #include "lobe_mesh/check_options.h"
 #include "lobe_mesh/diagnose.h"
+#include "lobe_mesh/expected_tets.h"
 #include "lobe_mesh/mesh_model.h"
 #include "lobe_mesh/tries.h"
 
@@ -24,16 +25,22 @@ void warn_of_pinches(const TetMesh& mesh, MeshReport& report) {
   }
 }
 
-// A label that is smaller than an edge gets edges of a third of its size, unless it has others already.
+// A label that is smaller than an edge gets edges of a third of its size, unless it has others already. Where
+// thin parts are kept, a layer that is thinner than half an edge gets edges of its thickness, unless these
+// are too many.
 void shorten_for_small_labels(const Model& model, MeshOptions& options, std::vector<std::string>& notes) {
   if (options.mesher != Mesher::cgal) return;
   for (int region = 0; region < model.region_count(); ++region) {
     const double edge = edge_within(model, region);
     const int label = model.labels[std::size_t(region)];
-    if (!(edge > 0) || 3 * edge >= options.edge || options.label_edges.contains(label)) continue;
+    const bool is_small = 3 * edge < options.edge,
+               is_thin = options.keep_thin && 2 * edge < options.edge && keeps_few_tets(model, region, edge);
+    if (!(edge > 0) || !(is_small || is_thin) || options.label_edges.contains(label)) continue;
     options.label_edges[label] = edge;
-    notes.push_back("label " + std::to_string(label) + " is smaller than an edge: its edges are " +
-                    rounded(edge) + " m (--label-edge " + std::to_string(label) + "=EDGE for others)");
+    notes.push_back("label " + std::to_string(label) +
+                    (is_small ? " is smaller than an edge" : " is thinner than half an edge") +
+                    ": its edges are " + rounded(edge) + " m (--label-edge " + std::to_string(label) +
+                    "=EDGE for others)");
   }
 }
 

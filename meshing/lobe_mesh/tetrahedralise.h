@@ -33,8 +33,8 @@ struct MeshOptions {
   std::map<int, double> label_edges = {};  // edges in single labels, in place of `edge` [m] (cgal only)
   std::vector<SizeBall> balls = {};        // balls with edges of their own (cgal only)
   double growth = 0.3;                     // growth of the edge per distance, where it changes
-  // Whether edges are shorter along parts of the surface that a mesh would lose (cgal only). With `edge` 0
-  // they are in any case.
+  // Whether edges are shorter along parts of the surface that a mesh would lose, and in labels whose volume
+  // it would not keep (cgal only). With `edge` 0 they are in any case.
   bool keep_thin = false;
   Mesher mesher = Mesher::cgal;
   // Number of surfaces, the last ones, that bound cavities: what they enclose is not meshed.

@@ -8,11 +8,11 @@
 #include "lobe/error.h"
 #include "lobe/mesh/spatial_order.h"
 #include "lobe/text.h"
-#include "lobe_mesh/area.h"
 #include "lobe_mesh/check_options.h"
 #include "lobe_mesh/child_process.h"
 #include "lobe_mesh/clean.h"
 #include "lobe_mesh/errors.h"
+#include "lobe_mesh/expected_tets.h"
 #include "lobe_mesh/measure.h"
 #include "lobe_mesh/sizing.h"
 
@@ -21,6 +21,8 @@ namespace {
 
 constexpr double finest_feature = 0.15;  // of the shortest edge asked for
 constexpr int most_remedies = 3;         // meshes with shorter edges where parts were lost
+constexpr double shortened = 0.7;        // edges of a label that has not kept its volume
+constexpr double near_gate = 0.8;        // shapes, of those of the gate
 
 // Numbers vertices and tetrahedra along a curve through space: what lies close together in the body then lies
 // close together in memory. Meshers leave them in no such order.
@@ -37,13 +39,6 @@ TetMesh in_spatial_order(const TetMesh& mesh) {
 }
 
 }  // namespace
-
-double edge_within(const Model& model, int region) {
-  double faces = 0;
-  for (std::size_t k = 0; k < model.surfaces.size(); ++k)
-    if (model.sides[k].inside == region || model.sides[k].outside == region) faces += area(model.surfaces[k]);
-  return faces > 0 ? 2 * model.volumes[std::size_t(region)] / faces : 0;
-}
 
 Tries::Tries(const Model& model, const MeshOptions& options, MeshReport& report)
     : model_(model),
@@ -131,8 +126,21 @@ bool Tries::available(Mesher mesher) const {
   return true;
 }
 
-// Shortens edges where the best mesh has lost a label or, if asked to, a part of the surface. Returns whether
-// it did.
+// Shortens the edges of a label whose volume the best mesh has not kept: to those of edge_within(), then by
+// less each time. Returns whether it did.
+bool Tries::shorten_edges_of(int region) {
+  const int label = model_.labels[std::size_t(region)];
+  if (options_.label_edges.contains(label)) return false;
+  const auto known = scaled_options_.label_edges.find(label);
+  const double now = known == scaled_options_.label_edges.end() ? scaled_options_.edge : known->second,
+               edge = std::min(edge_within(scaled_, region), shortened * now);
+  if (!(edge > 0) || !keeps_few_tets(scaled_, region, edge)) return false;
+  scaled_options_.label_edges[label] = edge;
+  return true;
+}
+
+// Shortens edges where the best mesh has lost a label or, if asked to, a part of the surface or of a label's
+// volume. Returns whether it did.
 bool Tries::ask_for_lost_parts() {
   if (options_.mesher != Mesher::cgal) return false;
   bool any = false;
@@ -142,17 +150,33 @@ bool Tries::ask_for_lost_parts() {
     scaled_options_.label_edges[label] = edge_within(scaled_, int(r));
     any = true;
   }
+  for (std::size_t r = 0; options_.keep_thin && r < best_report_.parts.size(); ++r) {
+    const MeshReport::Part& part = best_report_.parts[r];
+    if (part.tets > 0 && std::abs(part.volume_error()) > kept_volume) any |= shorten_edges_of(int(r));
+  }
   if (options_.keep_thin && !remedy_.balls.empty()) {
     scaled_options_.balls.insert(scaled_options_.balls.end(), remedy_.balls.begin(), remedy_.balls.end());
     seeds_.insert(seeds_.end(), remedy_.seeds.begin(), remedy_.seeds.end());
     any = true;
   }
-  if (any) report_.shortest_edge = unit_.size * Sizing(scaled_, scaled_options_).shortest();
-  return any;
+  if (!any) return false;
+  report_.shortest_edge = unit_.size * Sizing(scaled_, scaled_options_).shortest();
+  shapes_.clear();
+  return true;
+}
+
+// An edge that is almost the same shakes slivers up, so that shapes differ from try to try. Where two are as
+// far from the gate, something else spoils them, such as a wedge of the surface, and will do so again.
+bool Tries::may_pass(Mesher mesher) const {
+  const auto known = shapes_.find(mesher);
+  if (known == shapes_.end() || known->second.size() < 2) return true;
+  const auto [worst, best] = std::minmax_element(known->second.begin(), known->second.end());
+  return *best >= near_gate || *best + 2 * (*best - *worst) >= 1;
 }
 
 // Keeps the mesh if it is the best so far. Meshes are compared by the number of their labels, then by whether
-// they have all parts of the surface, then by how near they are to passing the gate, then by their time step.
+// they have all parts of the surface, then by whether several labels have their volumes, then by how near
+// they are to passing the gate, then by their time step.
 void Tries::one(Mesher mesher, double factor) {
   Attempt attempt{mesher, factor * options_.edge, 0, 0, {}};
   try {
@@ -171,12 +195,11 @@ void Tries::one(Mesher mesher, double factor) {
     attempt.min_dihedral = now.quality.min_dihedral;
     attempt.time_step_star = now.time_step_star;
     const auto rank = [](const MeshReport& r) {
-      const double dihedral = r.quality.min_dihedral / quality_gate.min_dihedral,
-                   altitude = r.quality.smallest_altitude_ratio / quality_gate.smallest_altitude_ratio,
-                   step = r.time_step_star / quality_gate.time_step_star;
       const double near = std::min(1.0, quality_gate.gap * r.longest_edge / r.largest_gap());
-      return std::tuple(-r.missing_labels(), near, std::min({1.0, dihedral, altitude, step}), step);
+      const double volume = r.parts.size() > 1 ? std::min(1.0, kept_volume / largest_volume_error(r)) : 1;
+      return std::tuple(-r.missing_labels(), near, volume, std::min(1.0, shape_of(r)), r.time_step_star);
     };
+    shapes_[mesher].push_back(shape_of(now));
     if (best_.tet_count() == 0 || rank(now) > rank(best_report_)) {
       best_ = std::move(mesh);
       best_report_ = std::move(now);
@@ -207,8 +230,10 @@ TetMesh Tries::best() {
   const auto is_worth_a_try = [&](int i) {
     return !best_report_.passes() && (i == 0 || best_.tet_count() == 0 || !best_report_.has_good_shapes());
   };
-  for (int i = 0; i < second_tries && is_worth_a_try(i); ++i)
-    again(both && i % 2 == 0 ? other : options_.mesher, jitter[both ? (i + 1) / 2 : i + 1]);
+  for (int i = 0; i < second_tries && is_worth_a_try(i); ++i) {
+    const Mesher mesher = both && i % 2 == 0 ? other : options_.mesher;
+    if (may_pass(mesher)) again(mesher, jitter[both ? (i + 1) / 2 : i + 1]);
+  }
   if (best_.tet_count() == 0) throw MeshingFailure(report_.attempts.front().failure);
   best_report_.attempts = report_.attempts;
   best_report_.phases = phases_;

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -42,9 +43,6 @@ class Stopwatch {
 
 constexpr double point_spacing = 0.5;  // spacing of points on surfaces, as a share of the edge
 
-// A third of the size of a region, 6 V/A: of a cube that is its edge, of a ball its diameter.
-double edge_within(const Model& model, int region);
-
 class Tries {
  public:
   Tries(const Model& model, const MeshOptions& options, MeshReport& report);
@@ -59,6 +57,8 @@ class Tries {
   void improve(TetMesh& mesh);
   Remedy measure_gap(const TetMesh& mesh, MeshReport& report) const;
   bool ask_for_lost_parts();
+  bool shorten_edges_of(int region);
+  bool may_pass(Mesher mesher) const;
   bool available(Mesher mesher) const;
   bool failed(Mesher mesher) const;
   bool out_of_time() const { return stopwatch_.elapsed() > options_.time_limit; }
@@ -81,6 +81,7 @@ class Tries {
   MeshReport best_report_;
   Remedy remedy_;  // scaled: what would keep the parts that the best mesh lost
   std::vector<Seed> seeds_;
+  std::map<Mesher, std::vector<double>> shapes_;  // of the meshes of almost the same edges
 };
 
 }  // namespace lobe::meshing

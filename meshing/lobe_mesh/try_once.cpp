@@ -9,6 +9,7 @@
 #include "lobe_mesh/check_options.h"
 #include "lobe_mesh/diagnose.h"
 #include "lobe_mesh/errors.h"
+#include "lobe_mesh/expected_tets.h"
 #include "lobe_mesh/relax.h"
 #include "lobe_mesh/sizing.h"
 #include "lobe_mesh/tries.h"
@@ -56,7 +57,8 @@ TetMesh Tries::mesh_with(Mesher mesher, double factor) {
     for (auto& [label, edge] : options.label_edges) edge *= factor;
     for (SizeBall& ball : options.balls) ball.edge *= factor;
     const Sizing sizing(scaled_, options);
-    const MeshingRun run{sizing, seeds_, options.time_limit, expected_tets(options, scaled_),
+    const MeshingRun run{sizing, seeds_, options.time_limit,
+                         expected_tets(with_edges_of_thin_labels(options, scaled_), scaled_),
                          [&](double done) { options.progress("mesh (cgal)", done); }};
     TetMesh mesh = model_.is_image() ? mesh_image_with_cgal(scaled_, run) : mesh_with_cgal(scaled_, run);
     stopwatch_.phase("cgal");

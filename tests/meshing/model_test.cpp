@@ -191,6 +191,16 @@ TEST_CASE("edges follow the sizes of labels and balls, and grow gradually") {
   CHECK(fine.tet_count() > 3 * mesh.tet_count());
 }
 
+TEST_CASE("far too many tetrahedra are refused, for a body in millimetres with the scale that mends it") {
+  MeshReport report;
+  const auto refusal = [&](double size) {
+    return input_error([&] { tetrahedralise({make_cube(size)}, {.edge = size / 1e4}, report); });
+  };
+  CHECK(
+      contains(refusal(100), "the body is 173.2 m large; if the file is in millimetres, use --scale 0.001"));
+  CHECK(contains(refusal(0.1), "choose a longer edge (or --scale, if the units are wrong)"));
+}
+
 TEST_CASE("a sizing that makes no sense is refused") {
   const auto refusal = [](const MeshOptions& options) {
     MeshReport report;

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "lobe_mesh/label_image.h"
+#include "lobe_mesh/measure.h"
 #include "meshing/shapes.h"
 #include "near.h"
 
@@ -127,4 +128,14 @@ TEST_CASE("a label smaller than an edge gets edges of its own, unless it has bee
   CHECK(std::abs(report.parts[1].volume_error()) < 20);
   CHECK(report.missing_labels() == 0);
   CHECK(says(report, "label 3 is smaller than an edge: its edges are 0.001"));
+}
+
+TEST_CASE("a layer that is thinner than half an edge keeps its volume where thin parts are kept") {
+  Surface thick = make_cube(1), thin = make_cube(1);  // 12 x 12 mm, 4 and 1.3 mm, with a common wall
+  thick.points = Vec3d(0.012, 0.012, 0.004).asDiagonal() * thick.points;
+  thin.points = (Vec3d(0.012, 0.012, 0.0013).asDiagonal() * thin.points).colwise() + Vec3d(0, 0, 0.004);
+  MeshReport report;
+  tetrahedralise({thick, thin}, {.edge = 0.003, .keep_thin = true}, report);
+  CHECK(says(report, "label 1 is thinner than half an edge: its edges are 0.00"));
+  CHECK(largest_volume_error(report) <= kept_volume);
 }

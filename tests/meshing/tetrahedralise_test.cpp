@@ -6,6 +6,7 @@
 
 #include "lobe_mesh/check_options.h"
 #include "lobe_mesh/errors.h"
+#include "lobe_mesh/measure.h"
 #include "meshing/shapes.h"
 #include "near.h"
 
@@ -117,6 +118,25 @@ TEST_CASE("of several tries the longest time step is kept, and all are reported"
   }
   CHECK(report.time_step_star == longest);
   CHECK(report.bottleneck.tets > 0);
+}
+
+TEST_CASE("where a wedge of the surface spoils all shapes, almost the same edge is tried once and no more") {
+  // Two wedges of 8° with a common wall, so that TetGen is not for them.
+  constexpr double length = 0.02, width = 0.02, height = 0.0028;
+  Surface upper{Mat3X<double>(3, 6), Triangles(3, 8)};
+  upper.points << 0, length, length, 0, length, length,  //
+      0, 0, 0, width, width, width,                      //
+      0, 0, height, 0, 0, height;
+  upper.triangles << 0, 0, 0, 3, 1, 1, 0, 0,  //
+      4, 3, 1, 5, 4, 5, 2, 5,                 //
+      1, 4, 2, 4, 5, 2, 5, 3;
+  Surface lower = inverted(upper);
+  lower.points.row(2) *= -1;
+  MeshReport report;
+  tetrahedralise({upper, lower}, {.edge = 0.004}, report);
+  CHECK_FALSE(report.passes());
+  CHECK(shape_of(report) < 0.7);
+  CHECK(report.attempts.size() == 2);
 }
 
 TEST_CASE("where a mesh does not pass the gate, the other mesher is tried") {

@@ -28,17 +28,19 @@ Polygons parse_binary(const FileText& file) {
   return polygons;
 }
 
-Polygons parse_ascii(const FileText& file) {
+Polygons parse_ascii(const FileText& file, std::vector<std::string>* groups) {
   Polygons polygons;
   Lines lines(file);
   std::vector<std::string_view> words;
   std::vector<std::int64_t> loop;
   bool ended = false;
+  std::string solid;
   while (lines.next(words)) {
     const std::string_view word = words[0];
     if (word == "solid" || word == "facet" || word == "outer") {
       ended = false;
       loop.clear();
+      if (word == "solid") solid = joined_words(words, 1);
     } else if (word == "vertex") {
       if (words.size() < 4) file.fail_line(lines.number(), "expected three coordinates");
       Vec3d p;
@@ -53,6 +55,7 @@ Polygons parse_ascii(const FileText& file) {
       if (loop.size() < 3)
         file.fail_line(lines.number(), "expected three vertices in the loop that ends here");
       polygons.corners.push_back(loop);
+      if (groups) groups->push_back(solid);
     } else if (word == "endsolid") {
       ended = true;
     } else if (word != "endfacet") {
@@ -65,11 +68,11 @@ Polygons parse_ascii(const FileText& file) {
 
 }  // namespace
 
-Polygons parse_stl(const FileText& file) {
+Polygons parse_stl(const FileText& file, std::vector<std::string>* groups) {
   const std::size_t size = file.text.size();
   const std::size_t expected = header_bytes + triangle_bytes * binary_count(file.text);
   if (size >= header_bytes && size == expected) return parse_binary(file);
-  if (file.text.starts_with("solid")) return parse_ascii(file);
+  if (file.text.starts_with("solid")) return parse_ascii(file, groups);
   if (size < header_bytes) file.fail("neither ascii STL (first word solid) nor long enough for binary STL");
   if (size < expected) {
     file.fail("truncated binary STL: " + std::to_string(size) + " bytes, but " +

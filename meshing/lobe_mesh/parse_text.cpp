@@ -40,7 +40,40 @@ std::int64_t obj_corner(const FileText& file, std::size_t line, std::string_view
 
 }  // namespace
 
-Polygons parse_obj(const FileText& file) {
+namespace {
+
+// By which of three words an OBJ file divides its faces: the first that names more than one group.
+class ObjGroups {
+ public:
+  bool takes(const Words& words) {
+    const auto kind = std::find(kinds.begin(), kinds.end(), words[0]);
+    if (kind == kinds.end()) return false;
+    const auto k = std::size_t(kind - kinds.begin());
+    names_[k].push_back(joined_words(words, 1));
+    present_[k] = names_[k].size() - 1;
+    return true;
+  }
+  void add_face() { faces_.push_back(present_); }
+  std::vector<std::string> names() const {
+    for (std::size_t k = 0; k < kinds.size(); ++k) {
+      std::vector<std::string> names;
+      for (const auto& face : faces_) names.push_back(names_[k][face[k]]);
+      if (std::any_of(names.begin(), names.end(), [&](const auto& name) { return name != names[0]; }))
+        return names;
+    }
+    return std::vector<std::string>(faces_.size());
+  }
+
+ private:
+  static constexpr std::array<std::string_view, 3> kinds{"g", "o", "usemtl"};
+  std::array<std::vector<std::string>, 3> names_{{{""}, {""}, {""}}};
+  std::array<std::size_t, 3> present_{};
+  std::vector<std::array<std::size_t, 3>> faces_;
+};
+
+}  // namespace
+
+Polygons parse_obj(const FileText& file, std::vector<std::string>* groups) {
   static const std::array<std::string_view, 24> ignored{
       "vt",     "vn",   "vp",  "g",      "o",          "s",         "mg",    "usemtl",
       "mtllib", "l",    "p",   "maplib", "lod",        "usemap",    "curv",  "curv2",
@@ -49,7 +82,9 @@ Polygons parse_obj(const FileText& file) {
   Lines lines(file);
   lines.continue_after_backslash();
   Words words;
+  ObjGroups found;
   while (lines.next(words)) {
+    if (groups && found.takes(words)) continue;
     if (words[0] == "v") {
       polygons.points.push_back(point(file, lines.number(), words, 1));
     } else if (words[0] == "f") {
@@ -58,10 +93,12 @@ Polygons parse_obj(const FileText& file) {
       for (std::size_t i = 1; i < words.size(); ++i) {
         corners.push_back(obj_corner(file, lines.number(), words[i], polygons.points.size()));
       }
+      if (groups) found.add_face();
     } else if (std::find(ignored.begin(), ignored.end(), words[0]) == ignored.end()) {
       file.fail_line(lines.number(), "expected OBJ (v, f, …), found " + quoted(words[0]));
     }
   }
+  if (groups) *groups = found.names();
   return polygons;
 }
 

@@ -120,6 +120,13 @@ bool Lines::next(std::vector<std::string_view>& words) {
   return !words.empty();
 }
 
+std::string joined_words(const std::vector<std::string_view>& words, std::size_t first) {
+  std::string text;
+  for (std::size_t i = first; i < words.size(); ++i)
+    text += (text.empty() ? "" : " ") + std::string(words[i]);
+  return text;
+}
+
 std::optional<double> to_number(std::string_view word) {
   if (word.starts_with('+')) word.remove_prefix(1);
   double value = 0;

@@ -23,8 +23,10 @@ struct FileText {
   [[noreturn]] void fail_line(std::size_t line, const std::string& message) const;
 };
 
-Polygons parse_stl(const FileText& file);
-Polygons parse_obj(const FileText& file);
+// `groups`: if not null, it gets the name of the group of each polygon: the solid of an ascii STL file, what
+// `g` says in OBJ, or `o` where all are in one of these, or `usemtl` where these are one, too.
+Polygons parse_stl(const FileText& file, std::vector<std::string>* groups = nullptr);
+Polygons parse_obj(const FileText& file, std::vector<std::string>* groups = nullptr);
 Polygons parse_off(const FileText& file);
 Polygons parse_ply(const FileText& file);
 
@@ -48,6 +50,8 @@ class Lines {
   std::size_t number_ = 0, first_ = 0;  // numbers of the last line read, and of the first of its words
 };
 
+// With blanks between them.
+std::string joined_words(const std::vector<std::string_view>& words, std::size_t first);
 std::optional<double> to_number(std::string_view word);  // accepts nan and inf
 std::optional<std::int64_t> to_integer(std::string_view word);
 

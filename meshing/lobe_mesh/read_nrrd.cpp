@@ -1,5 +1,6 @@
 // This file is part of lobe's meshing folder: GPL-3.0-or-later, see meshing/LICENSE.
 #include "lobe/error.h"
+#include "lobe_mesh/image_unit.h"
 #include "lobe_mesh/label_image_parts.h"
 
 #ifdef LOBE_TEEM
@@ -141,7 +142,22 @@ std::vector<Segment> segments_of(const Nrrd& nrrd) {
   return segments;
 }
 
+// 3D Slicer writes millimetres and does not say so.
+bool has_unnamed_millimetres(const Nrrd& nrrd) {
+  for (const char* unit : nrrd.spaceUnits)
+    if (unit != nullptr && *unit != '\0') return false;
+  return nrrd.spaceDim == 3 &&
+         !(text_of(nrrd, "Segment0_ID") + text_of(nrrd, "Segmentation_MasterRepresentation") +
+           text_of(nrrd, "Segmentation_ContainedRepresentationNames"))
+              .empty();
+}
+
 }  // namespace
+
+double assumed_unit(const std::filesystem::path& file) {
+  const bool is_nrrd = file.extension() == ".nrrd" || file.extension() == ".nhdr";
+  return is_nrrd && has_unnamed_millimetres(*load(file.string(), true)) ? 1e-3 : 1;
+}
 
 LabelImage read_nrrd(const std::string& file) {
   LabelImage image;
@@ -155,6 +171,7 @@ LabelImage read_nrrd(const std::string& file) {
     checked_size(file, {static_cast<double>(layers) * size[0], size[1], size[2]});
     image.size = checked_size(file, size);
     image.to_world = header->spaceDim == 3 ? oriented(file, *header, first) : spaced(file, *header);
+    if (has_unnamed_millimetres(*header)) image.to_world *= 1e-3;
     check_axes(file, image.to_world);
     check_type(file, type_of(*header));
   }
@@ -175,6 +192,8 @@ LabelImage read_nrrd(const std::string& file) {
 #else
 
 namespace lobe::meshing {
+
+double assumed_unit(const std::filesystem::path&) { return 1; }
 
 LabelImage read_nrrd(const std::string& file) {
   throw InputError(file,

@@ -13,14 +13,16 @@
 
 #include "lobe/error.h"
 #include "lobe/file/atomic_file.h"
-#include "lobe/io/mesh_io.h"
+#include "lobe/io/grouped_mesh.h"
 #include "lobe/io/surface_io.h"
 #include "lobe/text.h"
 #include "lobe_mesh/child_process.h"
 #include "lobe_mesh/diagnose.h"
 #include "lobe_mesh/errors.h"
+#include "lobe_mesh/image_unit.h"
 #include "lobe_mesh/picture.h"
 #include "lobe_mesh/report_json.h"
+#include "lobe_mesh/surface_groups.h"
 #include "lobe_mesh/voxels.h"
 #include "mesh_options.h"
 #include "progress_line.h"
@@ -131,7 +133,10 @@ TetMesh mesh_surfaces(const Options& o, std::vector<InputFile>& inputs, MeshRepo
 TetMesh mesh_image(const Options& o, std::vector<InputFile>& inputs, MeshReport& report) {
   const std::string& file = o.surfaces.front();
   LabelImage image = read_label_image(file);
-  image.to_world *= o.scale;
+  const double unit = assumed_unit(file);
+  image.to_world *= o.has_scale ? o.scale / unit : o.scale;
+  if (unit != 1 && !o.has_scale)
+    warn("no unit is named: a segmentation of 3D Slicer is taken to be in millimetres (--scale 1 if not)");
   std::ostringstream text;
   text << file << ": " << image.size[0] << " × " << image.size[1] << " × " << image.size[2] << " voxels of "
        << image.to_world.leftCols<3>().colwise().norm() << " m\n";
@@ -140,6 +145,35 @@ TetMesh mesh_image(const Options& o, std::vector<InputFile>& inputs, MeshReport&
   TetMesh mesh = tetrahedralise(image, o.mesh, report);
   warn_of_size((report.quality.box_max - report.quality.box_min).norm());
   return mesh;
+}
+
+std::vector<SurfaceGroup> groups_of(const Options& o, const TetMesh& mesh) {
+  std::vector<NamedSurface> groups;
+  bool any = false;
+  for (const std::string& file : o.surfaces)
+    for (NamedSurface& group : read_groups(file)) {
+      any |= !group.name.empty();
+      group.surface.points *= o.scale;
+      if (!group.name.empty() && o.surfaces.size() > 1)
+        group.name = std::filesystem::path(file).stem().string() + ": " + group.name;
+      groups.push_back(std::move(group));
+    }
+  return any ? groups_of_faces(mesh, groups) : std::vector<SurfaceGroup>{};
+}
+
+// With the groups of the surfaces, where the format holds them.
+void write_with_groups(const Options& o, const TetMesh& mesh) {
+  if (o.is_image()) return write_mesh(o.output, mesh);
+  Groups groups{groups_of(o, mesh), {}};
+  std::string names;
+  for (const SurfaceGroup& group : groups.surfaces) names += (names.empty() ? "" : ", ") + group.name;
+  const bool holds = holds_groups(o.output);
+  if (!groups.empty() && !holds)
+    warn("the groups of the surface (" + names +
+         ") are left out: -o MESH.msh keeps them, for a scene to select");
+  else if (!groups.empty())
+    say(o, "groups of the surface: " + names + "\n");
+  write_grouped_mesh(o.output, mesh, holds ? groups : Groups{});
 }
 
 // The mesh is written already when a picture fails, so this failure is reported separately.
@@ -160,7 +194,7 @@ int run(const Options& given) {
   MeshReport report;
   const TetMesh mesh = o.is_image() ? mesh_image(o, inputs, report) : mesh_surfaces(o, inputs, report);
   for (const std::string& warning : report.warnings) warn(warning);
-  write_mesh(o.output, mesh);
+  write_with_groups(o, mesh);
   write_report(o, in_json(inputs, o.output, o.mesh, report));
   say(o, in_words(report));
   if (report.missing_labels() > 0) {

@@ -176,8 +176,9 @@ void declare_body(CLI::App& app, Options& o) {
       ->capture_default_str();
   app.add_flag("--keep-thin", o.mesh.keep_thin,
                "shorter edges along thin parts that the mesh would lose; always without --edge");
-  CLI::Option* scale = app.add_option("--scale", o.scale, "factor on the coordinates, 0.001 for millimetres")
-                           ->capture_default_str();
+  CLI::Option* scale =
+      app.add_option("--scale", o.scale, "factor on the coordinates of the file, 0.001 for millimetres")
+          ->capture_default_str();
   app.add_flag("--find-units", o.find_units, "take a body of more than 2 m to be in millimetres")
       ->excludes(scale);
   app.add_option("--voxels", o.voxels,
@@ -231,6 +232,7 @@ void declare_options(CLI::App& app, Options& options) {
 void check_options(const CLI::App& app, Options& options) {
   check(app, options);
   read_sizing(options);
+  options.has_scale = app.count("--scale") > 0;
   options.mesh.cavities = options.voids.size();
   options.surfaces.insert(options.surfaces.end(), options.voids.begin(), options.voids.end());
 }

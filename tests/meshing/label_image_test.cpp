@@ -11,6 +11,7 @@
 
 #include "lobe/error.h"
 #include "lobe_mesh/diagnose.h"
+#include "lobe_mesh/image_unit.h"
 #include "lobe_mesh/interfaces.h"
 #include "lobe_mesh/label_grid.h"
 #include "lobe_mesh/label_layers.h"
@@ -407,6 +408,26 @@ TEST_CASE("an NRRD image of layers of segments is read with their names") {
   std::string fourth = header;
   fourth.replace(fourth.find("none"), 4, "(1,0,0)");
   CHECK_THROWS_AS(read_label_image(folder.write("b.nrrd", fourth + std::string(6, '\0'))), InputError);
+}
+
+TEST_CASE("an NRRD image without a unit is in metres, and one of 3D Slicer in millimetres") {
+  const SurfaceFolder folder;
+  const std::string header = "NRRD0005\ndimension: 3\nsizes: 3 2 1\ntype: uchar\nencoding: raw\n" + lps;
+  const std::string slicer = "Segment0_ID:=Segment_1\nSegment0_LabelValue:=1\n",
+                    centimetres = "space units: \"cm\" \"cm\" \"cm\"\n";
+  const auto read = [&](const std::string& text) {
+    return read_label_image(folder.write("a.seg.nrrd", text + "\n" + six_bytes));
+  };
+  const auto unit_of = [&](const std::string& text) {
+    return assumed_unit(folder.write("a.seg.nrrd", text + "\n" + six_bytes));
+  };
+  const Mat34<double> axes = aligned({2, 3, 4}, {10, 20, 30});
+  CHECK(read(header).to_world == axes);
+  CHECK(unit_of(header) == 1);
+  CHECK(read(header + slicer).to_world == 1e-3 * axes);
+  CHECK(unit_of(header + slicer) == 1e-3);
+  CHECK(read(header + centimetres + slicer).to_world.isApprox(1e-2 * axes));
+  CHECK(unit_of(header + centimetres + slicer) == 1);
 }
 
 TEST_CASE("segments in layers get labels in their order, and the last one where they overlap") {

@@ -1,0 +1,12 @@
+// This file is part of lobe's meshing folder: GPL-3.0-or-later, see meshing/LICENSE.
+#pragma once
+
+#include <filesystem>
+
+namespace lobe::meshing {
+
+// What read_label_image() took for the unit of a label image that names none [m]: a millimetre for a
+// segmentation of 3D Slicer, which writes no other; else 1. Throws InputError for a garbled NRRD file.
+double assumed_unit(const std::filesystem::path& file);
+
+}  // namespace lobe::meshing

@@ -56,11 +56,9 @@ void read(const Json& json, const std::string& place, std::vector<std::string>& 
     read(json[i], place + "/" + std::to_string(i), values.emplace_back());
 }
 
-template <int count>
-void read(const Json& json, const std::string& place, Eigen::Matrix<double, count, 1>& value) {
-  if (!json.is_array() || json.size() != count)
-    throw InputError(place, count == 3 ? "must be three numbers" : "must be four numbers");
-  for (int k = 0; k < count; ++k)
+void read(const Json& json, const std::string& place, Vec3d& value) {
+  if (!json.is_array() || json.size() != 3) throw InputError(place, "must be three numbers");
+  for (int k = 0; k < 3; ++k)
     value[k] = number_in(json[std::size_t(k)], place + "/" + std::to_string(k), largest_number);
 }
 
@@ -69,6 +67,32 @@ void read(const Json& json, const std::string& place, std::vector<Vec3d>& values
   if (!json.is_array() || json.size() > most) throw InputError(place, "must be a list of at most 100 points");
   for (std::size_t i = 0; i < json.size(); ++i)
     read(json[i], place + "/" + std::to_string(i), values.emplace_back());
+}
+
+// What a page says of a tool has numbers and texts like all that it says, and names no file of this machine.
+void check_words(const Json& json, const std::string& place, int depth = 0) {
+  constexpr std::size_t most = 100;
+  constexpr int deepest = 8;
+  if (json.size() > most || depth > deepest)
+    throw InputError(place, "must have at most 100 entries, and lists in lists at most 8 deep");
+  if (json.is_number()) number_in(json, place, largest_number);
+  if (json.is_string() && json.get_ref<const std::string&>().size() > longest_text)
+    throw InputError(place, "must be a text of at most 100 bytes");
+  if (json.is_object() && json.contains("mesh"))
+    throw InputError(place + "/mesh", "a page cannot name a file of the server");
+  if (json.is_structured())
+    for (const auto& [key, value] : json.items()) check_words(value, place + "/" + key, depth + 1);
+}
+
+void read(const Json& json, const std::string& place, ParsedTool& tool) {
+  check_words(json, place);
+  try {
+    tool = parse_tool(json.dump());
+  } catch (const InputError& error) {
+    std::vector<Fault> faults = error.faults();
+    for (Fault& fault : faults) fault.place = fault.place.starts_with('/') ? place + fault.place : place;
+    throw InputError(std::move(faults));
+  }
 }
 
 // In 16 bytes, filled up with zeros.

@@ -10,6 +10,7 @@
 #include <variant>
 #include <vector>
 
+#include "lobe/scene/parse_tool.h"
 #include "lobe/snapshot/snapshot.h"
 
 namespace lobe::view {
@@ -112,50 +113,21 @@ struct Take {
   static constexpr auto fields = std::tuple(Field{"hand", &Take::hand}, Field{"from", &Take::from},
                                             Field{"along", &Take::along}, Field{"radius", &Take::radius});
 };
-// A hand brings a cautery to a point and switches it on.
-struct Burn {
+// A hand brings a tool, which is off. Its JSON is that of scenes, with "at" in place of "path", and names no
+// file (scene/parse_tool.h).
+struct Bring {
   int hand = 0;
-  Vec3d at = Vec3d::Zero();  // [m]
-  double radius = 0;         // radius of its tip [m]
-  static constexpr const char* name = "burn";
-  static constexpr auto fields =
-      std::tuple(Field{"hand", &Burn::hand}, Field{"at", &Burn::at}, Field{"radius", &Burn::radius});
+  ParsedTool tool;
+  static constexpr const char* name = "bring";
+  static constexpr auto fields = std::tuple(Field{"hand", &Bring::hand}, Field{"tool", &Bring::tool});
 };
-// A hand brings a scalpel, and cuts with it.
-struct Cut {
-  int hand = 0;
-  Vec3d tip = Vec3d::Zero(), heel = Vec3d::Zero();  // [m], not the same
-  static constexpr const char* name = "cut";
-  static constexpr auto fields =
-      std::tuple(Field{"hand", &Cut::hand}, Field{"tip", &Cut::tip}, Field{"heel", &Cut::heel});
-};
-// A hand brings a probe with a spherical tip, which presses on what it meets.
-struct Touch {
-  int hand = 0;
-  Vec3d at = Vec3d::Zero();  // middle of its tip [m]
-  double radius = 0;         // radius of its tip [m]
-  static constexpr const char* name = "touch";
-  static constexpr auto fields =
-      std::tuple(Field{"hand", &Touch::hand}, Field{"at", &Touch::at}, Field{"radius", &Touch::radius});
-};
-// A hand brings two jaws, open. They lie along z from the point `at`, above and below the plane y = 0.
-struct Jaws {
-  int hand = 0;
-  Vec3d at = Vec3d::Zero();                    // [m]
-  Eigen::Vector4d orientation = {0, 0, 0, 1};  // unit quaternion x, y, z, w
-  Vec3d size = Vec3d::Zero();                  // width, thickness and length of each [m]
-  double opening = 0;                          // how far they are apart [m]
-  static constexpr const char* name = "jaws";
-  static constexpr auto fields =
-      std::tuple(Field{"hand", &Jaws::hand}, Field{"at", &Jaws::at}, Field{"orientation", &Jaws::orientation},
-                 Field{"size", &Jaws::size}, Field{"opening", &Jaws::opening});
-};
-// A hand closes its jaws until they press on what is between them, or opens them.
-struct Close {
+// A cautery burns, a scalpel cuts, a clip is closed, and jaws close until they press on what is between them;
+// or they stop doing so.
+struct TurnOn {
   int hand = 0;
   bool on = false;
-  static constexpr const char* name = "close";
-  static constexpr auto fields = std::tuple(Field{"hand", &Close::hand}, Field{"on", &Close::on});
+  static constexpr const char* name = "turn_on";
+  static constexpr auto fields = std::tuple(Field{"hand", &TurnOn::hand}, Field{"on", &TurnOn::on});
 };
 // A hand moves what it holds: the place where it took hold, or the tip of a tool.
 struct Lead {
@@ -344,10 +316,10 @@ struct SaveScene {
   static constexpr auto fields = std::tuple(Field{"to", &SaveScene::to});
 };
 
-using Any = std::variant<Seen, Take, Burn, Cut, Touch, Jaws, Close, Lead, LetGo, Pause, Step, Speed, Restart,
-                         Back, Show, Skin, Control, HandOver, Keep, Export, Edit, Paint, PaintMaterial,
-                         NewMaterial, Mend, PaintAll, Stroke, Undo, Propose, Apply, Save, Open, OpenShipped,
-                         Remake, Judge, Cancel, SaveScene>;
+using Any =
+    std::variant<Seen, Take, Bring, TurnOn, Lead, LetGo, Pause, Step, Speed, Restart, Back, Show, Skin,
+                 Control, HandOver, Keep, Export, Edit, Paint, PaintMaterial, NewMaterial, Mend, PaintAll,
+                 Stroke, Undo, Propose, Apply, Save, Open, OpenShipped, Remake, Judge, Cancel, SaveScene>;
 }  // namespace request
 
 inline constexpr int hand_count = 8;

@@ -28,12 +28,10 @@ std::string names_of_models() {
   return names;
 }
 
-void check_length(double length, const char* place) {
+void check_radius(double radius) {
   constexpr double largest = 1;  // [m]
-  if (!(length > 0) || length > largest) throw InputError(place, "must be above 0 and at most 1 m");
+  if (!(radius > 0) || radius > largest) throw InputError("/radius", "must be above 0 and at most 1 m");
 }
-
-void check_radius(double radius) { check_length(radius, "/radius"); }
 
 }  // namespace
 
@@ -52,40 +50,11 @@ void Viewer::perform(ClientId, const request::Take& what) {
         .radius = what.radius});
 }
 
-void Viewer::perform(ClientId, const request::Burn& what) {
-  check_radius(what.radius);
-  const auto hand = static_cast<HandNumber>(what.hand);
-  send(bring_tool(hand, what.at, BringCautery{"", what.radius, what.at}));
-  send({.kind = Kind::turn_on, .on = true, .hand = hand});
+void Viewer::perform(ClientId, const request::Bring& what) {
+  send(bring_tool(static_cast<HandNumber>(what.hand), what.tool.position, what.tool.command));
 }
 
-void Viewer::perform(ClientId, const request::Cut& what) {
-  const double length = (what.heel - what.tip).norm();
-  constexpr double longest = 1;  // [m]
-  if (!(length > 0) || length > longest)
-    throw InputError("/heel", "must be above 0 and at most 1 m from the tip");
-  const auto hand = static_cast<HandNumber>(what.hand);
-  send(bring_tool(hand, what.tip, BringScalpel{"", {what.tip, what.heel}}));
-  send({.kind = Kind::turn_on, .on = true, .hand = hand});
-}
-
-void Viewer::perform(ClientId, const request::Touch& what) {
-  check_radius(what.radius);
-  BringProbe probe;
-  probe.shape = RigidShape::sphere(what.radius);
-  probe.pose.position = what.at;
-  send(bring_tool(static_cast<HandNumber>(what.hand), what.at, probe));
-}
-
-void Viewer::perform(ClientId, const request::Jaws& what) {
-  for (int k = 0; k < 3; ++k) check_length(what.size[k], "/size");
-  check_length(what.opening, "/opening");
-  constexpr double rough = 0.6;  // friction of jaws, whose faces are toothed
-  BringProbe jaws{"", RigidShape::jaws(what.size), {what.at, what.orientation, what.opening}, rough};
-  send(bring_tool(static_cast<HandNumber>(what.hand), what.at, jaws));
-}
-
-void Viewer::perform(ClientId, const request::Close& what) {
+void Viewer::perform(ClientId, const request::TurnOn& what) {
   send({.kind = Kind::turn_on, .on = what.on, .hand = static_cast<HandNumber>(what.hand)});
 }
 

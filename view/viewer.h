@@ -128,11 +128,8 @@ class Viewer final : public Service {
 
   void perform(ClientId client, const request::Seen& what);
   void perform(ClientId client, const request::Take& what);
-  void perform(ClientId client, const request::Burn& what);
-  void perform(ClientId client, const request::Cut& what);
-  void perform(ClientId client, const request::Touch& what);
-  void perform(ClientId client, const request::Jaws& what);
-  void perform(ClientId client, const request::Close& what);
+  void perform(ClientId client, const request::Bring& what);
+  void perform(ClientId client, const request::TurnOn& what);
   void perform(ClientId client, const request::Lead& what);
   void perform(ClientId client, const request::LetGo& what);
   void perform(ClientId client, const request::Pause& what);

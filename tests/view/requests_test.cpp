@@ -45,11 +45,35 @@ TEST_CASE("what is wrong with a request is named") {
   CHECK(fault(R"({"do": "lead", "hand": 1, "to": [0, 0]})") == "/to: must be three numbers");
   CHECK(fault(R"({"do": "lead", "hand": 1, "to": [0, 0, 1e300]})") == "/to/2: is out of range");
   CHECK(fault(R"({"do": "lead", "hand": 1, "to": [0, 0, null]})") == "/to/2: must be a number");
-  CHECK(fault(R"({"do": "jaws", "hand": 1, "at": [0, 0, 0], "orientation": [0, 0, 1]})") ==
-        "/orientation: must be four numbers");
   CHECK(fault(R"({"do": "pause", "on": 1})") == "/on: must be true or false");
   CHECK(fault(R"({"do": "save", "to": 1})") == "/to: must be a text of at most 100 bytes");
   CHECK(fault(R"({"do": "restart", "now": true})") == "/now: is no field of restart");
+}
+
+TEST_CASE("a page brings a tool by what a scene says of it, without a file") {
+  const auto bring = [](const std::string& tool) {
+    return R"({"do": "bring", "hand": 1, "tool": )" + tool + "}";
+  };
+  const Request request =
+      parse_request(bring(R"({"type": "probe", "shape": {"sphere": {"radius": 0.01}}, "at": [1, 2, 3]})"));
+  const auto& brought = std::get<request::Bring>(request.what).tool;
+  CHECK(brought.position == Vec3d(1, 2, 3));
+  CHECK(std::get<BringProbe>(brought.command).shape.radius == 0.01);
+  CHECK(std::holds_alternative<BringCautery>(
+      std::get<request::Bring>(
+          parse_request(bring(R"({"type": "cautery", "radius": 1, "at": [0, 0, 0]})")).what)
+          .tool.command));
+  CHECK(fault(bring("[]")) == "/tool: must be a JSON object");
+  CHECK(fault(bring(R"({"type": "cautery", "radius": -1, "at": [0, 0, 0]})")) ==
+        "/tool/radius: -1, must be above 0");
+  CHECK(fault(bring(R"({"type": "cautery", "radius": 1, "at": [0, 0, 1e300]})")) ==
+        "/tool/at/2: is out of range");
+  CHECK(fault(bring(R"({"type": "probe", "shape": {"mesh": "/etc/passwd"}, "at": [0, 0, 0]})")) ==
+        "/tool/shape/mesh: a page cannot name a file of the server");
+  CHECK(fault(bring(R"({"type": "grasp", "where": {"all": true}, "at": [0, 0, 0]})"))
+            .find("a hand takes hold of vertices") != std::string::npos);
+  CHECK(fault(bring(std::string(30000, '[') + std::string(30000, ']'))).find("at most 8 deep") !=
+        std::string::npos);
 }
 
 TEST_CASE("deep and long requests are refused without harm") {

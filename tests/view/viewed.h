@@ -115,6 +115,10 @@ struct Viewed {
     ask(page,
         {{"do", "take"}, {"hand", hand}, {"from", {x, y, 1.0}}, {"along", {0, 0, -1}}, {"radius", 0.012}});
   }
+  void bring(view::ClientId page, int hand, const Json& tool, bool on = false) {
+    ask(page, {{"do", "bring"}, {"hand", hand}, {"tool", tool}});
+    if (on) ask(page, {{"do", "turn_on"}, {"hand", hand}, {"on", true}});
+  }
   void lead(view::ClientId page, int hand, double x, double y, double z) {
     ask(page, {{"do", "lead"}, {"hand", hand}, {"to", {x, y, z}}});
   }

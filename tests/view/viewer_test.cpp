@@ -51,7 +51,7 @@ TEST_CASE("what was done in a page, saved as a scene, is played to the same bits
   REQUIRE(viewed.comes_to(1, [](const Json&, const Json& tools) {
     return tools.at(0).at("position").at(2).get<double>() > 0.065;
   }));
-  viewed.ask(1, {{"do", "burn"}, {"hand", 1}, {"at", {0.005, 0.005, 0.055}}, {"radius", 0.008}});
+  viewed.bring(1, 1, {{"type", "cautery"}, {"radius", 0.008}, {"at", {0.005, 0.005, 0.055}}}, true);
   REQUIRE(
       viewed.comes_to(1, [](const Json& status, const Json&) { return status["tets"].get<int>() < 1296; }));
   viewed.ask(1, {{"do", "let_go"}, {"hand", 0}});
@@ -88,10 +88,8 @@ TEST_CASE("what a page has cut with a scalpel is told, and its scene is played t
   Viewed viewed;
   viewed.viewer->opened(1);
   // A blade without length is refused: there will be one tool.
-  viewed.ask(1,
-             {{"do", "cut"}, {"hand", 1}, {"tip", {0.033, -0.005, 0.03}}, {"heel", {0.033, -0.005, 0.03}}});
-  viewed.ask(1,
-             {{"do", "cut"}, {"hand", 1}, {"tip", {0.033, -0.005, 0.03}}, {"heel", {0.033, -0.005, 0.07}}});
+  for (const double heel : {0.03, 0.07})
+    viewed.bring(1, 1, {{"type", "scalpel"}, {"at", {0.033, -0.005, 0.03, 0.033, -0.005, heel}}}, true);
   REQUIRE(viewed.comes_to(1, [](const Json&, const Json& tools) {
     return tools.size() == 1 && tools[0]["type"] == "scalpel" && tools[0]["on"] == true &&
            std::abs(tools[0]["blade"][2].get<double>() - 0.04) < 1e-12;
@@ -157,7 +155,8 @@ TEST_CASE(
 TEST_CASE("a page presses a probe on the body and feels it; its scene is played to the same bits") {
   Viewed viewed;
   viewed.viewer->opened(1);
-  viewed.ask(1, {{"do", "touch"}, {"hand", 1}, {"at", {0.03, 0.03, 0.072}}, {"radius", 0.01}});
+  viewed.bring(1, 1,
+               {{"type", "probe"}, {"shape", {{"sphere", {{"radius", 0.01}}}}}, {"at", {0.03, 0.03, 0.072}}});
   REQUIRE(viewed.holds(1, 1));
   viewed.lead(1, 1, 0.033, 0.031, 0.062);
   REQUIRE(viewed.comes_to(1, [](const Json&, const Json& tools) {
@@ -176,20 +175,19 @@ TEST_CASE("a page presses a probe on the body and feels it; its scene is played 
 TEST_CASE("a page grips the body between jaws and pulls; its scene is played to the same bits") {
   Viewed viewed;
   viewed.viewer->opened(1);
-  const auto bring = [&](double opening, const Json& orientation) {
-    viewed.ask(1, {{"do", "jaws"},
-                   {"hand", 1},
-                   {"at", {0.03, 0.03, 0.1}},
-                   {"orientation", orientation},
-                   {"size", {0.04, 0.004, 0.04}},
-                   {"opening", opening}});
+  const auto bring = [&](double opening, double w) {
+    viewed.bring(1, 1,
+                 {{"type", "probe"},
+                  {"shape", {{"jaws", {{"size", {0.04, 0.004, 0.04}}}}}},
+                  {"friction", 0.6},
+                  {"at", {0.03, 0.03, 0.1, 1.0, 0.0, 0.0, w, opening}}});
   };
-  bring(0, {1, 0, 0, 0});     // is refused: their opening must be above 0
-  bring(0.07, {1, 0, 0, 1});  // and so is this, which is no unit quaternion
+  bring(-0.01, 0);  // is refused: their opening must be at least 0
+  bring(0.07, 1);   // and so is this, which is no unit quaternion
   REQUIRE(viewed.comes_to(
       1, [](const Json& status, const Json&) { return status["time"].get<double>() > 0.05; }));
   REQUIRE(viewed.holds(1, 0));
-  bring(0.07, {1, 0, 0, 0});  // from above
+  bring(0.07, 0);  // from above
   REQUIRE(viewed.holds(1, 1));
   viewed.lead(1, 1, 0.03, 0.03, 0.075);
   const auto comes_to = [&](auto&& condition) {
@@ -200,11 +198,11 @@ TEST_CASE("a page grips the body between jaws and pulls; its scene is played to 
     return !jaws["on"] && jaws["jaw"] == Json{0.04, 0.004, 0.04} && jaws["orientation"] == Json{1, 0, 0, 0} &&
            std::abs(jaws["opening"].get<double>() - 0.07) < 1e-9 && jaws["force"] == Json{0, 0, 0};
   }));
-  viewed.ask(1, {{"do", "close"}, {"hand", 1}, {"on", true}});
+  viewed.ask(1, {{"do", "turn_on"}, {"hand", 1}, {"on", true}});
   REQUIRE(comes_to([](const Json& jaws) { return jaws["on"] && jaws["opening"].get<double>() < 0.056; }));
   viewed.lead(1, 1, 0.03, 0.03, 0.08);
   REQUIRE(comes_to([](const Json& jaws) { return jaws["force"][2].get<double>() < -0.5; }));
-  viewed.ask(1, {{"do", "close"}, {"hand", 1}, {"on", false}});
+  viewed.ask(1, {{"do", "turn_on"}, {"hand", 1}, {"on", false}});
   REQUIRE(comes_to([](const Json& jaws) {
     return jaws["opening"].get<double>() > 0.0699 && jaws["force"] == Json{0, 0, 0};
   }));
@@ -317,7 +315,7 @@ TEST_CASE("the skin of a scene is told to those who want it, follows the body, o
   REQUIRE(viewed.holds(1, 1));
   viewed.lead(1, 0, 0.04, 0.03, 0.075);
   CHECK(comes_to([&] { return moved() > 1e-3f; }));
-  viewed.ask(1, {{"do", "burn"}, {"hand", 1}, {"at", {0.005, 0.005, 0.055}}, {"radius", 0.008}});
+  viewed.bring(1, 1, {{"type", "cautery"}, {"radius", 0.008}, {"at", {0.005, 0.005, 0.055}}}, true);
   CHECK(comes_to([&] { return shown < whole; }));
   viewed.ask(1, {{"do", "restart"}});
   const bool is_back = comes_to([&] { return shown == whole && moved() < 1e-7f; });

@@ -3,8 +3,8 @@ import * as THREE from './third_party/three-0.187.0/three.module.js';
 import {Blade, BladeGhost} from './scalpel.js';
 
 // Of jaws, in openings: width, thickness and length of each, how far they reach behind the point that was
-// clicked, from how far they come, and from how near to where they are led they close.
-const jaws = {size: [0.3, 0.14, 0.5], depth: 0.35, from: 0.5, there: 0.03},
+// clicked, from how far they come, from how near to where they are led they close, and their friction.
+const jaws = {size: [0.3, 0.14, 0.5], depth: 0.35, from: 0.5, there: 0.03, friction: 0.6},
   press = 0.6, // how far a probe is pressed in, of its radius
   betweenPoses = 7; // [ms]
 
@@ -108,7 +108,7 @@ export class Hands {
     else if (this.kind === 'probe') this.bringProbe(active, hit);
     else if (this.kind === 'jaws') this.bringJaws(active, hit);
     else if (this.kind === 'cautery')
-      this.ask({do: 'burn', hand, at: hit.point.toArray(), radius: this.sizes.of('cautery')});
+      this.bring(hand, {type: 'cautery', radius: this.sizes.of('cautery'), at: hit.point.toArray()}, true);
     else
       this.ask({
         do: 'take',
@@ -119,12 +119,18 @@ export class Hands {
       });
   }
 
+  /** @param tool as a scene says it, with "at" in place of "path" @param on whether it works at once */
+  bring(hand, tool, on = false) {
+    this.ask({do: 'bring', hand, tool});
+    if (on) this.ask({do: 'turn_on', hand, on});
+  }
+
   bringBlade(active, hit) {
     this.ghost.hide();
     const blade = new Blade(this.stage, this.organ, hit, this.sizes.of('scalpel'));
     Object.assign(active, {blade, point: blade.tip});
     this.showBlade(active);
-    this.ask({do: 'cut', hand: active.hand, tip: blade.tip.toArray(), heel: blade.heel.toArray()});
+    this.bring(active.hand, {type: 'scalpel', at: [...blade.tip.toArray(), ...blade.heel.toArray()]}, true);
   }
 
   showBlade({blade}) {
@@ -138,7 +144,7 @@ export class Hands {
     const forward = this.stage.forward(),
       radius = this.sizes.of('probe');
     const outside = hit.point.clone().addScaledVector(forward, -1.5 * radius);
-    this.ask({do: 'touch', hand: active.hand, at: outside.toArray(), radius});
+    this.bring(active.hand, {type: 'probe', shape: {sphere: {radius}}, at: outside.toArray()});
     active.point.addScaledVector(forward, (press - 1) * radius);
     this.lead(active);
   }
@@ -151,13 +157,13 @@ export class Hands {
       opening = this.sizes.of('jaws'),
       axes = new THREE.Matrix4().makeBasis(new THREE.Vector3().crossVectors(above, forward), above, forward);
     active.point.copy(hit.point).addScaledVector(forward, (jaws.depth - jaws.size[2]) * opening);
-    this.ask({
-      do: 'jaws',
-      hand: active.hand,
-      at: active.point.clone().addScaledVector(forward, -jaws.from * opening).toArray(),
-      orientation: new THREE.Quaternion().setFromRotationMatrix(axes).toArray(),
-      size: jaws.size.map(side => side * opening),
-      opening,
+    const from = active.point.clone().addScaledVector(forward, -jaws.from * opening),
+      turn = new THREE.Quaternion().setFromRotationMatrix(axes);
+    this.bring(active.hand, {
+      type: 'probe',
+      shape: {jaws: {size: jaws.size.map(side => side * opening)}},
+      friction: jaws.friction,
+      at: [...from.toArray(), ...turn.toArray(), opening],
     });
     active.there = jaws.there * opening;
     this.lead(active);
@@ -171,7 +177,7 @@ export class Hands {
       const tool = tools.find(tool => tool.hand === hand && tool.jaw);
       if (!tool || point.distanceTo(new THREE.Vector3(...tool.position)) > there) continue;
       active.closes = true;
-      this.ask({do: 'close', hand, on: true});
+      this.ask({do: 'turn_on', hand, on: true});
     }
   }
 

@@ -19,17 +19,17 @@ constexpr int cells_along_box = 16;
 constexpr std::size_t most_cells = 100000;
 constexpr double most_tets_of_layer = 1e5;
 
-struct Cell {
+struct BodyCell {
   Vec3d centre;
   double half;  // of its side
 };
 
 // Cells that cover the body, of one size.
-std::vector<Cell> cells_around(const Model& model) {
+std::vector<BodyCell> cells_around(const Model& model) {
   const Surface all = joined_surface(model.surfaces);
   const Vec3d low = all.points.rowwise().minCoeff(), high = all.points.rowwise().maxCoeff();
   const double side = (high - low).maxCoeff() / cells_along_box;
-  std::vector<Cell> cells;
+  std::vector<BodyCell> cells;
   const Vec3d counts = ((high - low) / side).array().ceil();
   for (int i = 0; i < counts[0]; ++i)
     for (int j = 0; j < counts[1]; ++j)
@@ -100,7 +100,7 @@ class Places {
 std::vector<double> tets_of_sizes(const Sizing& sizing, const MeshOptions& options, const Model& model) {
   std::vector<double> volumes(model.labels.size(), 0), tets(model.labels.size(), 0);
   Places place_of(model);
-  std::vector<Cell> cells = cells_around(model);  // the larger ones first
+  std::vector<BodyCell> cells = cells_around(model);  // the larger ones first
   for (std::size_t i = 0; i < cells.size(); ++i) {
     const auto [centre, half] = cells[i];
     const Place at = place_of(centre);

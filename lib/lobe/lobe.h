@@ -170,6 +170,8 @@
 #include "lobe/fem/law_of.h"
 #include "lobe/fit/fit.h"
 #include "lobe/fit/sensitivity.h"
+#include "lobe/io/grouped_mesh.h"
+#include "lobe/io/labelled_mesh.h"
 #include "lobe/io/mesh_io.h"
 #include "lobe/io/surface_io.h"
 #include "lobe/linearity/mass_watch.h"

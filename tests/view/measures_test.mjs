@@ -67,6 +67,21 @@ test('a slit that comes out on the far side has the length of its longer side', 
   assert.equal(cutLength(slitPlate([0, 4, 3], [5, 2, 2.5])), 4 + 2.5);
 });
 
+// Positions at rest are those of now without displacements, in single precision: the lips that have come
+// apart are then some nanometres from each other. Here by up to 1.5e-8 each, across borders of the grid, too.
+test('lips that are not quite at the same place at rest are counted once', () => {
+  for (const shift of [0, 1e-4, 4e-4, 0.1234567]) {
+    const plate = slitPlate([0, 0.4, 0.3]);
+    plate.rest = plate.rest.map((x, i) => 0.1 * x + shift + 0.15e-7 * Math.sin(7 * i));
+    const lip = plate.rest.map((x, i) => x + 0.3e-7 * Math.sin(5 * i)),
+      own = plate.rest.length / 3;
+    // The second half of skin and lips has vertices of its own.
+    plate.triangles = plate.triangles.map((v, i) => (Math.floor(i / 3) % 2 ? v + own : v));
+    plate.rest = Float32Array.of(...plate.rest, ...lip);
+    assert.ok(Math.abs(cutLength(plate) - 0.04) < 1e-6, `${cutLength(plate)} ≠ 0.04, moved by ${shift}`);
+  }
+});
+
 test('two slits that meet below the skin count both', () => {
   const plate = slitPlate([0, 4, 3], [5, 2, 1]),
     [c, below] = [2, plate.rest.length / 3 / 2 + 2]; // the lower end of each, at y = 0

@@ -1,4 +1,5 @@
 // Where a surface is sharp.
+import {firstAtPlaces} from './places.js';
 
 const creaseCosine = Math.cos((50 * Math.PI) / 180),
   foldedCosine = Math.cos((150 * Math.PI) / 180);
@@ -9,7 +10,7 @@ const creaseCosine = Math.cos((50 * Math.PI) / 180),
 // where it is, on all sides of them.
 export function splitAtCreases({triangles, rest, cut}) {
   const normal = faceNormals(triangles, rest),
-    place = samePlaces(rest),
+    place = firstAtPlaces(rest), // of the skin and of an opened face there are two
     count = rest.length / 3;
   const parent = new Int32Array(triangles.length).map((_, i) => i);
   const root = i => {
@@ -74,18 +75,6 @@ function isSmooth([[i], [j]], normal, cut) {
     normal[3 * f + 1] * normal[3 * g + 1] +
     normal[3 * f + 2] * normal[3 * g + 2];
   return cut[f] ? cut[g] === cut[f] && cosine > foldedCosine : cosine >= creaseCosine;
-}
-
-// The first vertex at the same place at rest: that of the skin and that of an opened face are two.
-function samePlaces(rest) {
-  const first = new Map(),
-    place = new Uint32Array(rest.length / 3);
-  for (let v = 0; v < place.length; ++v) {
-    const key = `${rest[3 * v]},${rest[3 * v + 1]},${rest[3 * v + 2]}`;
-    if (!first.has(key)) first.set(key, v);
-    place[v] = first.get(key);
-  }
-  return place;
 }
 
 function faceNormals(triangles, x) {

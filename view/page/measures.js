@@ -1,5 +1,6 @@
 // What can be measured on the surface of the tetrahedra, at rest: the volume that it encloses, and how long
 // the cuts are that open it.
+import {firstAtPlaces} from './places.js';
 
 /** @param {{triangles: Uint32Array, rest: Float32Array}} surface closed @returns {number} [m³] */
 export function volumeOf({triangles, rest}) {
@@ -12,18 +13,6 @@ export function volumeOf({triangles, rest}) {
       rest[a + 2] * (rest[b] * rest[c + 1] - rest[b + 1] * rest[c]);
   }
   return six / 6;
-}
-
-// The number of each vertex's place: vertices at the same place have the same.
-function placesOf(rest) {
-  const known = new Map(),
-    places = new Uint32Array(rest.length / 3);
-  for (let v = 0; v < places.length; ++v) {
-    const key = `${rest[3 * v]} ${rest[3 * v + 1]} ${rest[3 * v + 2]}`;
-    if (!known.has(key)) known.set(key, known.size);
-    places[v] = known.get(key);
-  }
-  return places;
 }
 
 // Whether things are joined: the name of each, the same for those that are.
@@ -59,7 +48,7 @@ function normalOf({triangles, rest}, t) {
 export function cutLength(surface) {
   const {triangles, rest, cut} = surface;
   if (!cut.some(kind => kind > 0)) return 0;
-  const places = placesOf(rest),
+  const places = firstAtPlaces(rest),
     skin = new Map(), // edge → a triangle
     rim = new Map(), // edge → its ends
     cuts = new Joined(), // places within a cut

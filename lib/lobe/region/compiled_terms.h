@@ -45,8 +45,10 @@ inline constexpr auto smoothed_terms =
 inline constexpr auto viscous_terms =
     with_each_law({{}, {.volume = true, .pressure = true}, {.volume = true, .pressure = true, .fibre = true}},
                   {{.volume = true, .pressure = true}}, {.solid = MaterialLaw::corotational});
-inline constexpr auto viscous_domain_terms = with_each_law(
-    {{}, {.pressure = true, .fibre = true}}, {{.pressure = true}}, {.solid = MaterialLaw::corotational});
+// The fibre of a kernel is read: only a law that has one takes such a kernel.
+inline constexpr auto viscous_domain_terms =
+    with_each_law({{}, {.pressure = true}, {.pressure = true, .fibre = true}}, {{.pressure = true}},
+                  {.solid = MaterialLaw::corotational});
 
 // Whether a kernel for these terms can evaluate the law: it is one of the same solid, with at least its other
 // terms. What the law does not have gets the modulus 0. The guard may be in every kernel.

@@ -82,6 +82,40 @@ test('lips that are not quite at the same place at rest are counted once', () =>
   }
 });
 
+// A wedge that points down; its edge is the line x = 0, z = 0. A cut at y = 0 has opened all of its front,
+// and its back up to `behind`. Both sides of a wedge so sharp face down.
+function cutWedge(behind) {
+  const rest = [0, 0, 0, 1, 0, 3, -behind / 3, 0, behind, -1, 0, 3, 0, 1, 0, 0, -1, 0],
+    lips = [[0, 1, 2], [2, 1, 0]],
+    skin = [[0, 1, 4], [1, 0, 5], [2, 0, 4], [0, 2, 5], [3, 2, 4], [2, 3, 5]];
+  return {
+    rest: Float32Array.from(rest),
+    triangles: Uint32Array.from([...skin, ...lips].flat()),
+    cut: Uint8Array.from([...skin.map(() => 0), ...lips.map(() => 1)]),
+  };
+}
+
+test('a cut through an edge of the organ has the length of its longer side, which the blade tells', () => {
+  const from = x => [{at: [x, 0, 2], along: [-x, 0, 0]}],
+    front = Math.hypot(1, 3),
+    behind = Math.hypot(0.5, 1.5),
+    near = (a, b) => assert.ok(Math.abs(a - b) < 1e-6, `${a} ≠ ${b}`);
+  near(cutLength(cutWedge(1.5)), front + behind); // nothing is known of a blade
+  near(cutLength(cutWedge(1.5), from(1)), front);
+  near(cutLength(cutWedge(1.5), from(-1)), front);
+  const box = boxes([[0, 0, 0], [1, 1, 2]], [[1, 0, 0], [2, 1, 2]]),
+    at = (t, x) => [0, 1, 2].every(k => box.rest[3 * box.triangles[3 * t + k]] === x);
+  box.cut.forEach((_, t) => (box.cut[t] = at(t, 1) ? 1 : 0));
+  assert.equal(cutLength(box, [{at: [1, 0, 1], along: [0, 1, 0]}]), 2);
+  assert.equal(cutLength(box, [{at: [1, 0.5, 2], along: [0, 0, -3]}]), 1);
+});
+
+test('what a cautery has opened is measured without a blade', () => {
+  const wedge = cutWedge(1.5);
+  wedge.cut = wedge.cut.map(kind => 2 * kind);
+  assert.ok(cutLength(wedge, [{at: [1, 0, 2], along: [-1, 0, 0]}]) > 4);
+});
+
 test('two slits that meet below the skin count both', () => {
   const plate = slitPlate([0, 4, 3], [5, 2, 1]),
     [c, below] = [2, plate.rest.length / 3 / 2 + 2]; // the lower end of each, at y = 0

@@ -25,6 +25,7 @@ export class Hands {
     this.last = new Map(); // where each pointer was
     this.onAct = () => {}; // told which instrument begins
     this.onHover = () => {}; // told what the pointer is over, and where: (hit, x, y); null: over nothing
+    this.onEntry = () => {}; // told where a blade enters the organ: (hit, blade)
     this.onBlade = () => {}; // told of a blade that cuts (scalpel.js); null: there is none any more
     this.tape = null; // with begin(hit) and reach(hit)
     this.pins = null; // with click(hit, x, y), while they are set
@@ -129,6 +130,7 @@ export class Hands {
     this.ghost.hide();
     const blade = new Blade(this.stage, this.organ, hit, this.sizes.of('scalpel'));
     Object.assign(active, {blade, point: blade.tip});
+    this.onEntry(hit, blade);
     this.showBlade(active);
     this.bring(active.hand, {type: 'scalpel', at: [...blade.tip.toArray(), ...blade.heel.toArray()]}, true);
   }
@@ -241,7 +243,8 @@ export class Hands {
       active.point.copy(hit.point);
     } else if (kind === 'scalpel') {
       this.showRing(null, null);
-      active.blade.slide(this.organ.hit(this.stage.ray(event.offsetX, event.offsetY)), dx, dy);
+      const hit = this.organ.hit(this.stage.ray(event.offsetX, event.offsetY));
+      if (active.blade.slide(hit, dx, dy)) this.onEntry(hit, active.blade);
       this.showBlade(active);
     } else {
       this.showRing(null, null);

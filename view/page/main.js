@@ -72,6 +72,7 @@ class Page {
       element('video').classList.toggle('on', on);
       if (why) this.messages.add(why, 'warn');
     });
+    this.blades = []; // where this page's scalpels have entered, at rest (measures.js)
     this.status = {};
     this.lost = ''; // why nothing comes; empty: it does
     this.mode = 'live';
@@ -174,6 +175,7 @@ class Page {
     if (!isOther) return;
     this.isOther = true; // until its surface is there
     this.volume = 0;
+    this.blades = [];
     this.history.forget(0);
     this.tape.clear();
     this.hands.forget();
@@ -273,12 +275,21 @@ class Page {
     element('force').replaceChildren(...figures.flatMap(figure => [figure, ' ']), 'N');
   }
 
+  /** For the length of what it cuts: each time that it has moved by 4 mm, in an organ like a liver. */
+  rememberBlade(hit, along) {
+    const at = this.organ.restOf(hit),
+      last = this.blades.at(-1)?.at;
+    if (last && Math.hypot(...at.map((x, k) => x - last[k])) < 0.03 * this.stage.size) return;
+    this.blades.push({at, along: this.organ.directionAtRest(hit, along)});
+  }
+
   showMeasures() {
     if (!this.isMeasured) {
       this.isMeasured = true;
       const {surface} = this.organ,
         volume = volumeOf(surface),
-        cut = cutLength(surface);
+        cut = cutLength(surface, this.blades);
+      if (cut === 0) this.blades = [];
       this.volume = Math.max(this.volume ?? 0, volume);
       const removed = this.volume - volume;
       element('cut-length').textContent = cut > 0 ? inMillimetres(cut) : '';
@@ -340,6 +351,7 @@ class Page {
       );
     this.run = run;
     this.volume = 0;
+    this.blades = [];
     this.history.forget(0);
   }
 
@@ -449,6 +461,7 @@ class Page {
       if (kind !== 'paint') this.history.begin(kind, this.connection.number + 1);
     };
     this.hands.onHover = (hit, x, y) => this.bodies.point(hit ? this.organ.bodyOf(hit) : undefined, x, y);
+    this.hands.onEntry = (hit, {forward}) => this.rememberBlade(hit, forward);
     this.hands.onBlade = blade =>
       this.hint(blade ? `${inMillimetres(blade.depth)} deep; the wheel changes it` : '');
     listenToPreferences((name, on) => {

@@ -39,16 +39,45 @@ function normalOf({triangles, rest}, t) {
   return [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
 }
 
+const between = 0.05, // cosine of what faces neither way
+  dot = (u, v) => u[0] * v[0] + u[1] * v[1] + u[2] * v[2],
+  apart = (u, v) => (u[0] - v[0]) ** 2 + (u[1] - v[1]) ** 2 + (u[2] - v[2]) ** 2;
+
+// On which side of a cut an edge of its rim is, by the blade that came nearest to its middle: 1 where the
+// blade came from, −1 on the far side, 0 between. The normal is that of the skin there.
+function sideOf(middle, normal, blades) {
+  let best = Infinity,
+    nearest;
+  for (const blade of blades) {
+    const distance = apart(blade.at, middle);
+    if (distance <= best) [best, nearest] = [distance, blade]; // of equals the newest
+  }
+  const cosine = dot(normal, nearest.along) / Math.hypot(...normal) / Math.hypot(...nearest.along);
+  return Math.abs(cosine) < between ? 0 : -Math.sign(cosine);
+}
+
 /**
  * How long the edge is at which faces that were opened meet the skin, each of its pieces counted once: of a
  * slit, whose two lips lie on each other, its length; of a hole, what is around it. Where what was opened
- * comes out on the far side, too, the longer side counts.
- * @param {{triangles: Uint32Array, rest: Float32Array, cut: Uint8Array}} surface @returns {number} [m]
+ * comes out on the far side, too, the longer side counts. Where a blade has cut through an edge of the organ,
+ * only the blade tells which side is which.
+ * @param {{triangles: Uint32Array, rest: Float32Array, cut: Uint8Array}} surface closed
+ * @param {{at: number[], along: number[]}[]} blades where blades came in, and in which direction, at rest
+ * @returns {number} [m]
  */
-export function cutLength(surface) {
-  const {triangles, rest, cut} = surface;
-  if (!cut.some(kind => kind > 0)) return 0;
-  const places = firstAtPlaces(rest),
+export function cutLength(surface, blades = []) {
+  if (!surface.cut.some(kind => kind > 0)) return 0;
+  let length = 0;
+  for (const rim of rimsOf(surface).values())
+    length += blades.length > 0 && rim.isByBlade ? longerSide(rim, blades) : longerFace(rim);
+  return length;
+}
+
+// The edges at which each cut meets the skin, {piece, length, middle, normal}, and whether a blade has made
+// any of it.
+function rimsOf(surface) {
+  const {triangles, rest, cut} = surface,
+    places = firstAtPlaces(rest),
     skin = new Map(), // edge → a triangle
     rim = new Map(), // edge → its ends
     cuts = new Joined(), // places within a cut
@@ -67,20 +96,40 @@ export function cutLength(surface) {
         rim.set(key(v, w), [v, w]);
         pieces.join(places[v], places[w]);
       }
-  const found = new Map(); // piece → the cut that it is of, its length, and where it faces
+  const found = new Map();
   for (const [edge, [v, w]] of rim) {
-    const name = pieces.of(places[v]),
-      piece = found.get(name) ?? {of: cuts.of(places[v]), length: 0, faces: [0, 0, 0]};
-    piece.length += Math.hypot(...[0, 1, 2].map(k => rest[3 * v + k] - rest[3 * w + k]));
-    normalOf(surface, skin.get(edge)).forEach((n, k) => (piece.faces[k] += n));
-    found.set(name, piece);
+    const name = cuts.of(places[v]),
+      ends = [v, w].map(u => [0, 1, 2].map(k => rest[3 * u + k]));
+    if (!found.has(name)) found.set(name, {isByBlade: false, edges: []});
+    found.get(name).edges.push({
+      piece: pieces.of(places[v]),
+      length: Math.hypot(...ends[0].map((x, k) => x - ends[1][k])),
+      middle: ends[0].map((x, k) => (x + ends[1][k]) / 2),
+      normal: normalOf(surface, skin.get(edge)),
+    });
   }
-  const longest = new Map();
-  let length = 0;
-  for (const piece of [...found.values()].toSorted((a, b) => b.length - a.length)) {
-    const first = longest.get(piece.of);
-    if (!first) longest.set(piece.of, piece);
-    if (!first || first.faces.reduce((sum, n, k) => sum + n * piece.faces[k], 0) > 0) length += piece.length;
+  for (let t = 0; t < cut.length; ++t)
+    if (cut[t] === 1 && found.has(cuts.of(places[triangles[3 * t]])))
+      found.get(cuts.of(places[triangles[3 * t]])).isByBlade = true;
+  return found;
+}
+
+function longerSide({edges}, blades) {
+  const sides = {1: 0, 0: 0, '-1': 0};
+  for (const {length, middle, normal} of edges) sides[sideOf(middle, normal, blades)] += length;
+  return Math.max(sides[1], sides[-1]);
+}
+
+// Of pieces of the rim those that face as the longest one does.
+function longerFace({edges}) {
+  const pieces = new Map();
+  for (const {piece, length, normal} of edges) {
+    const sum = pieces.get(piece) ?? {length: 0, faces: [0, 0, 0]};
+    sum.length += length;
+    normal.forEach((n, k) => (sum.faces[k] += n));
+    pieces.set(piece, sum);
   }
-  return length;
+  const [first, ...others] = [...pieces.values()].toSorted((a, b) => b.length - a.length),
+    same = others.filter(({faces}) => dot(first.faces, faces) > 0);
+  return [first, ...same].reduce((sum, {length}) => sum + length, 0);
 }

@@ -487,14 +487,26 @@ export class Organ {
 
   /** The position at rest of a point of the drawn surface. */
   restOf(hit) {
-    const rest = this.smooth.interpolate(this.topology.rest, 3),
-      p = this.position.array,
-      weights = [];
-    const corners = [hit.face.a, hit.face.b, hit.face.c];
-    const at = v => new THREE.Vector3(p[3 * v], p[3 * v + 1], p[3 * v + 2]);
-    const bary = new THREE.Vector3();
-    THREE.Triangle.getBarycoord(hit.point, ...corners.map(at), bary);
-    weights.push(bary.x, bary.y, bary.z);
-    return [0, 1, 2].map(k => corners.reduce((sum, v, i) => sum + weights[i] * rest[3 * v + k], 0));
+    const now = this.cornersOf(hit, this.position),
+      [a, b, c] = this.cornersOf(hit, this.mesh.geometry.attributes.rest),
+      weights = new THREE.Vector3();
+    THREE.Triangle.getBarycoord(hit.point, ...now, weights);
+    return a.multiplyScalar(weights.x).addScaledVector(b, weights.y).addScaledVector(c, weights.z).toArray();
+  }
+
+  /** A direction as it is at rest, by how the surface has turned where it was hit. */
+  directionAtRest(hit, direction) {
+    const axesOf = ([a, b, c]) => {
+      const x = b.clone().sub(a).normalize(),
+        z = new THREE.Vector3().crossVectors(x, c.clone().sub(a)).normalize();
+      return new THREE.Matrix4().makeBasis(x, new THREE.Vector3().crossVectors(z, x), z);
+    };
+    const now = axesOf(this.cornersOf(hit, this.position)),
+      rest = axesOf(this.cornersOf(hit, this.mesh.geometry.attributes.rest));
+    return direction.clone().applyMatrix4(now.transpose()).applyMatrix4(rest).toArray();
+  }
+
+  cornersOf({face}, attribute) {
+    return [face.a, face.b, face.c].map(v => new THREE.Vector3().fromBufferAttribute(attribute, v));
   }
 }

@@ -67,14 +67,17 @@ export class Blade {
    * It follows the surface under the pointer; where that is none, or falls off, as in a cut that gapes, it
    * stays as far from the viewer.
    * @param {{point: THREE.Vector3}|null} hit of the ray through the pointer
+   * @returns {boolean} whether it enters the organ there
    */
   slide(hit, dx, dy) {
     const {surface, forward, stage} = this,
       scale = stage.metresPerPixel(surface);
     surface.addScaledVector(stage.right(), dx * scale).addScaledVector(stage.above(), -dy * scale);
     const falls = hit ? hit.point.clone().sub(surface).dot(forward) : Infinity;
-    if (falls < Math.max(step * stage.size, slope * Math.hypot(dx, dy) * scale)) surface.copy(hit.point);
+    const isThere = falls < Math.max(step * stage.size, slope * Math.hypot(dx, dy) * scale);
+    if (isThere) surface.copy(hit.point);
     this.thickness = this.organ.thickness(surface, forward) || this.thickness;
     this.deepen(0);
+    return isThere;
   }
 }

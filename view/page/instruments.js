@@ -236,9 +236,11 @@ function scalpel(length, surgeon) {
   return group;
 }
 
-/** A scalpel with a blade of length 1, seen through everything. In the axes of a camera it points away. */
+/** A scalpel whose blade has any length, seen through everything. In the axes of a camera it points away. */
 export function ghostOfScalpel() {
-  const group = scalpel(1, new THREE.Vector3(0.55, 1.1, 0.7).normalize());
+  const group = scalpel(1, new THREE.Vector3(0.55, 1.1, 0.7).normalize()),
+    [edge, through, handle] = group.children;
+  group.remove(edge);
   group.traverse(part => {
     if (!part.isMesh) return;
     part.material = seenThrough;
@@ -246,6 +248,14 @@ export function ghostOfScalpel() {
     part.renderOrder = 9;
   });
   group.visible = false;
+  /** @param {number} length of the blade @param {number} most of it that its width is in proportion to */
+  group.userData.fit = (length, most) => {
+    const size = Math.min(length, most);
+    through.scale.set(size, length, size);
+    through.position.z = length / 2;
+    handle.scale.set(size / 2, size / 2, size);
+    handle.position.z = length;
+  };
   return group;
 }
 

@@ -29,6 +29,16 @@ import {inMillimetres, ToolSizes} from './tool_sizes.js';
 
 const element = id => document.getElementById(id);
 
+// How an instrument is used.
+const hints = {
+  grasp: 'Drag the organ to pull it',
+  cautery: 'Drag over the organ to burn it',
+  scalpel: 'Drag over the organ to cut it; the wheel makes the cut deeper',
+  probe: 'Press on the organ, and drag along it; the wheel presses deeper',
+  jaws: 'Press on the organ: the jaws grip what is between them',
+  measure: 'Drag over the organ to measure a distance',
+};
+
 class Page {
   constructor(software) {
     this.stage = new Stage(element('stage'), software);
@@ -189,7 +199,7 @@ class Page {
     if (first) {
       this.stage.lookAt(topology.rest);
       this.sizes.fit(this.stage.size);
-      this.hint('Drag the organ to pull it');
+      this.hintOf(this.hands.kind);
     }
     this.organ.x = this.organ.served = null;
     const x = positions?.revision === topology.revision ? positions.x : undefined;
@@ -410,6 +420,11 @@ class Page {
       );
   }
 
+  /** Until it is used. */
+  hintOf(tool) {
+    if (this.organ.topology) this.hint(hints[tool] ?? '');
+  }
+
   hint(text) {
     element('hint').textContent = text;
     element('hint').style.opacity = text ? 1 : 0;
@@ -504,6 +519,7 @@ class Page {
     const paints = tool === 'paint';
     if (paints !== (this.mode === 'edit') && this.status.controls) this.ask({do: 'edit', on: paints});
     if (!paints || this.mode === 'edit') this.hands.setKind(tool);
+    if (!paints) this.hintOf(tool);
   }
 
   changeMode(mode) {
@@ -516,7 +532,7 @@ class Page {
     this.colour(edits ? this.editor.shows() : 'tissue');
     this.instruments.update([]);
     this.take(edits ? 'paint' : 'grasp');
-    this.hint(edits ? 'Paint on the organ' : '');
+    if (edits) this.hint('Paint on the organ');
     this.editor.note('');
     element('pause').parentElement.style.display = edits ? 'none' : '';
     for (const plot of document.querySelectorAll('.plot')) plot.hidden = edits;

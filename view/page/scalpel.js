@@ -26,7 +26,7 @@ export class BladeGhost {
     body.visible = true;
     body.position.copy(point).addScaledVector(stage.forward(), depth);
     body.quaternion.copy(stage.camera.quaternion);
-    body.scale.setScalar(depth + outside * stage.size);
+    body.userData.fit(depth + outside * stage.size, 0.2 * stage.size);
     stage.invalidate();
   }
 

@@ -1,11 +1,11 @@
 // What mouse, pen or finger do on the canvas: left on the organ acts, anything else moves the camera.
 import * as THREE from './third_party/three-0.187.0/three.module.js';
+import {bringing} from './bring.js';
+import {makeRing} from './ring.js';
 import {Blade, BladeGhost} from './scalpel.js';
 
-// Of jaws, in openings: width, thickness and length of each, how far they reach behind the point that was
-// clicked, from how far they come, from how near to where they are led they close, and their friction.
-const jaws = {size: [0.3, 0.14, 0.5], depth: 0.35, from: 0.5, there: 0.03, friction: 0.6},
-  press = 0.6, // how far a probe is pressed in, of its radius
+const nearby = 60, // from how far beside the organ a hook begins [pixels]
+  closing = 0.3, // until a clip has closed, after which its applier goes [s]
   betweenPoses = 7; // [ms]
 
 export class Hands {
@@ -20,12 +20,15 @@ export class Hands {
     this.may = false; // this page controls
     this.held = new Map(); // hands that were left where they are: number → {kind, point}
     this.actives = new Map(); // hands that move: pointer → {hand, kind, point}
+    this.closing = new Map(); // hands that close a clip: number → {asked [ms], since [s]}
+    this.pedal = false; // pressed: hooks burn
     this.camera = new Set(); // pointers that move the camera
     this.cameraDoes = 'turn'; // or 'shift'; two of them zoom and shift
     this.last = new Map(); // where each pointer was
     this.onAct = () => {}; // told which instrument begins
     this.onHover = () => {}; // told what the pointer is over, and where: (hit, x, y); null: over nothing
-    this.onEntry = () => {}; // told where a blade enters the organ: (hit, blade)
+    this.onRefusal = () => {}; // told why an instrument does not begin
+    this.onEntry = () => {}; // told where a blade enters the organ: (hit)
     this.onBlade = () => {}; // told of a blade that cuts (scalpel.js); null: there is none any more
     this.tape = null; // with begin(hit) and reach(hit)
     this.pins = null; // with click(hit, x, y), while they are set
@@ -55,7 +58,7 @@ export class Hands {
     this.sizes.setKind(kind);
     this.hideBlade();
     this.ring.visible = false;
-    this.stage.canvas.classList.toggle('cautery', ['cautery', 'scalpel', 'measure'].includes(kind));
+    this.stage.canvas.classList.toggle('cautery', ['cautery', 'scalpel', 'hook', 'clip', 'measure'].includes(kind));
     this.stage.canvas.classList.toggle('paint', kind === 'paint');
     this.stage.invalidate();
   }
@@ -69,7 +72,7 @@ export class Hands {
   reach() {
     if (this.kind === 'paint') return this.brush.radius();
     if (this.kind === 'scalpel' || this.kind === 'measure') return 0.03 * this.stage.size;
-    return this.sizes.of(this.kind) * (this.kind === 'jaws' ? 0.5 : 1);
+    return this.sizes.of(this.kind) * (['jaws', 'clip', 'hook'].includes(this.kind) ? 0.5 : 1);
   }
 
   down(event) {
@@ -84,40 +87,45 @@ export class Hands {
       if (this.may && this.kind !== 'paint' && this.takeHeld(event)) return;
       const hit = this.organ.hit(ray);
       if (hit) return this.begin(pointerId, hit, ray);
+      const beside = this.kind === 'hook' && this.organ.beside(x, y, nearby);
+      if (beside) return this.begin(pointerId, {point: beside, isBeside: true}, ray);
     }
     this.camera.add(pointerId);
     this.cameraDoes = event.button === 1 || (event.button === 2 && event.shiftKey) ? 'shift' : 'turn';
   }
 
   begin(pointer, hit, ray) {
-    this.onAct(this.kind);
-    this.onHover(null);
-    if (this.kind === 'paint') {
-      this.actives.set(pointer, {kind: 'paint'});
-      return this.brush.paint(this.organ.restOf(hit));
-    }
-    if (this.kind === 'measure') {
-      this.actives.set(pointer, {kind: 'measure'});
-      return this.tape.begin(hit);
-    }
+    const {kind} = this,
+      brought = bringing[kind]?.(this.stage, hit, this.sizes.of(kind), this.organ);
+    if (typeof brought === 'string') return this.onRefusal(brought);
     const hand = this.freeHand();
     if (hand < 0) return;
-    const active = {hand, kind: this.kind, point: hit.point.clone()};
+    this.onAct(kind);
+    this.onHover(null);
+    const active = {hand, kind, point: hit.point.clone()};
     this.actives.set(pointer, active);
+    if (kind === 'paint' || kind === 'measure') {
+      this.actives.set(pointer, {kind});
+      return kind === 'paint' ? this.brush.paint(this.organ.restOf(hit)) : this.tape.begin(hit);
+    }
     this.stage.canvas.classList.add('holding');
-    if (this.kind === 'scalpel') this.bringBlade(active, hit);
-    else if (this.kind === 'probe') this.bringProbe(active, hit);
-    else if (this.kind === 'jaws') this.bringJaws(active, hit);
-    else if (this.kind === 'cautery')
-      this.bring(hand, {type: 'cautery', radius: this.sizes.of('cautery'), at: hit.point.toArray()}, true);
-    else
-      this.ask({
-        do: 'take',
-        hand,
-        from: this.organ.start(ray, hit).toArray(),
-        along: ray.direction.toArray(),
-        radius: this.sizes.of('grasp'),
-      });
+    if (brought) this.beginWith(brought, active);
+    else if (kind === 'scalpel') this.bringBlade(active, hit);
+    else this.takeHold(hand, ray, hit);
+  }
+
+  beginWith({tool, on, point, there}, active) {
+    Object.assign(active, {point, there});
+    this.bring(active.hand, tool, on);
+    if (on) return;
+    if (active.kind === 'hook') this.burnWith(active);
+    this.showRing(null, null);
+    this.lead(active);
+  }
+
+  takeHold(hand, ray, hit) {
+    const [from, along] = [this.organ.start(ray, hit), ray.direction].map(vector => vector.toArray());
+    this.ask({do: 'take', hand, from, along, radius: this.sizes.of('grasp')});
   }
 
   /** @param tool as a scene says it, with "at" in place of "path" @param on whether it works at once */
@@ -141,38 +149,16 @@ export class Hands {
     this.onBlade(blade);
   }
 
-  // It comes from the viewer's side, and is pressed in by a little.
-  bringProbe(active, hit) {
-    const forward = this.stage.forward(),
-      radius = this.sizes.of('probe');
-    const outside = hit.point.clone().addScaledVector(forward, -1.5 * radius);
-    this.bring(active.hand, {type: 'probe', shape: {sphere: {radius}}, at: outside.toArray()});
-    active.point.addScaledVector(forward, (press - 1) * radius);
-    this.lead(active);
-  }
-
-  // They come open from the viewer's side, one above the other, and reach behind the point.
-  bringJaws(active, hit) {
-    this.showRing(null, null);
-    const forward = this.stage.forward(),
-      above = this.stage.above(),
-      opening = this.sizes.of('jaws'),
-      axes = new THREE.Matrix4().makeBasis(new THREE.Vector3().crossVectors(above, forward), above, forward);
-    active.point.copy(hit.point).addScaledVector(forward, (jaws.depth - jaws.size[2]) * opening);
-    const from = active.point.clone().addScaledVector(forward, -jaws.from * opening),
-      turn = new THREE.Quaternion().setFromRotationMatrix(axes);
-    this.bring(active.hand, {
-      type: 'probe',
-      shape: {jaws: {size: jaws.size.map(side => side * opening)}},
-      friction: jaws.friction,
-      at: [...from.toArray(), ...turn.toArray(), opening],
-    });
-    active.there = jaws.there * opening;
-    this.lead(active);
-  }
-
-  /** Jaws close where they have been led to. */
-  follow(tools) {
+  /** Jaws close where they have been led to; the applier goes when its clip has closed.
+   *  @param {number} time of the simulation [s] */
+  follow(tools, time) {
+    for (const [hand, clip] of this.closing) {
+      if (tools.some(tool => tool.hand === hand && tool.on)) clip.since ??= time;
+      const isLate = clip.since === undefined && performance.now() > clip.asked + 1e4;
+      if (!isLate && !(Math.abs(time - clip.since) > closing)) continue;
+      this.closing.delete(hand);
+      this.ask({do: 'let_go', hand});
+    }
     for (const active of this.actives.values()) {
       const {kind, hand, point, closes, there} = active;
       if (kind !== 'jaws' || closes) continue;
@@ -189,8 +175,9 @@ export class Hands {
   }
 
   freeHand() {
-    const moving = new Set([...this.actives.values()].map(({hand}) => hand));
-    for (let hand = 0; hand < 8; ++hand) if (!this.held.has(hand) && !moving.has(hand)) return hand;
+    const moving = new Set([...this.actives.values()].map(({hand}) => hand)),
+      isFree = hand => !this.held.has(hand) && !moving.has(hand) && !this.closing.has(hand);
+    for (let hand = 0; hand < 8; ++hand) if (isFree(hand)) return hand;
     return -1;
   }
 
@@ -253,7 +240,24 @@ export class Hands {
         .addScaledVector(this.stage.right(), dx * scale)
         .addScaledVector(this.stage.above(), -dy * scale);
     }
+    if (kind === 'hook') this.burnWith(active, event.buttons & 2);
     this.lead(active, event.timeStamp);
+  }
+
+  /** Hooks burn while it is pressed. */
+  setPedal(on) {
+    if (this.pedal === on) return;
+    this.pedal = on;
+    for (const active of this.actives.values()) if (active.kind === 'hook') this.burnWith(active);
+  }
+
+  /** @param [button] whether its own button burns, too */
+  burnWith(active, button = active.button) {
+    active.button = button;
+    const on = this.pedal || Boolean(button);
+    if (on === Boolean(active.burns)) return;
+    active.burns = on;
+    this.ask({do: 'turn_on', hand: active.hand, on});
   }
 
   // No more often than the simulation listens: the newest pose is the one that counts.
@@ -294,11 +298,22 @@ export class Hands {
     if (active.kind === 'paint') {
       this.brush.end();
       this.actives.delete(pointerId);
+    } else if (active.kind === 'clip' && event.type !== 'pointercancel') {
+      this.close(pointerId);
     } else if (event.shiftKey && holds(active)) {
       this.keep();
     } else {
       this.end(pointerId);
     }
+  }
+
+  /** A clip closes where its applier is. */
+  close(pointer) {
+    const {hand} = this.actives.get(pointer);
+    this.actives.delete(pointer);
+    this.closing.set(hand, {asked: performance.now()});
+    this.ask({do: 'turn_on', hand, on: true});
+    this.showHolding();
   }
 
   /** The hands that have hold of something go on holding where they are. */
@@ -341,6 +356,7 @@ export class Hands {
   forget() {
     this.held.clear();
     this.actives.clear();
+    this.closing.clear();
     this.camera.clear();
     this.hideBlade();
     this.showHolding();
@@ -391,19 +407,3 @@ export class Hands {
 
 /** Whether a hand may be left as it is: its instrument has hold of the organ. */
 const holds = active => active?.kind === 'grasp' || (active?.kind === 'jaws' && active.closes);
-
-function makeRing() {
-  const ring = new THREE.Mesh(
-    new THREE.RingGeometry(0.94, 1, 64),
-    new THREE.MeshBasicMaterial({
-      color: 0xffffff,
-      transparent: true,
-      opacity: 0.55,
-      depthTest: false,
-      toneMapped: false,
-    }),
-  );
-  ring.renderOrder = 20;
-  ring.visible = false;
-  return ring;
-}

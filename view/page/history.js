@@ -6,6 +6,8 @@ const words = {
   scalpel: 'Cut',
   probe: 'Press',
   jaws: 'Grip',
+  hook: 'Hook',
+  clip: 'Clip',
 };
 const margin = 0.1; // the simulation is ahead of what the page has heard, by about that [s]
 

@@ -25,7 +25,7 @@ const arrowMaterial = new THREE.MeshBasicMaterial({
   toneMapped: false,
 });
 const millimetresPerNewton = 6,
-  doing = {cautery: 'burning', scalpel: 'cutting'};
+  doing = {cautery: 'burning', scalpel: 'cutting', clip_applier: 'clipping'};
 
 export class Instruments {
   constructor(stage, labels) {
@@ -73,19 +73,9 @@ export class Instruments {
       .normalize();
     const along = blade.length() > 0 ? blade.clone().normalize() : shaft,
       rest = new THREE.Quaternion();
-    if (!tool.jaw) rest.setFromUnitVectors(new THREE.Vector3(0, 0, 1), along);
-    const body = tool.jaw
-      ? jaws(tool.jaw, tool.hand === undefined ? new THREE.Vector3(0, 0, -1) : fromTool(shaft, tool))
-      : tool.type === 'cautery'
-        ? cautery(tool.radius || 0.005)
-        : tool.type === 'scalpel'
-          ? scalpel(
-              Math.min(blade.length(), 0.3 * this.stage.size),
-              shaft.applyQuaternion(rest.clone().invert()),
-            )
-          : tool.type === 'probe'
-            ? probe(tool.radius || 0.005, blade.length())
-            : forceps(this.stage.size);
+    const isTurned = !tool.jaw && !isHook(tool);
+    if (isTurned) rest.setFromUnitVectors(new THREE.Vector3(0, 0, 1), along);
+    const body = this.bodyOf(tool, blade, shaft, rest);
     this.dress(body);
     const arrow = makeArrow(),
       label = document.createElement('span');
@@ -101,6 +91,19 @@ export class Instruments {
     };
     this.shown.set(tool.tool, item);
     return item;
+  }
+
+  bodyOf(tool, blade, shaft, rest) {
+    // One of a scene leads where its own axes say.
+    const surgeon = other => (tool.hand === undefined ? other : fromTool(shaft, tool));
+    if (tool.type === 'clip_applier') return applier(tool.jaw, surgeon(new THREE.Vector3(-1, 0, 0)));
+    if (tool.jaw) return jaws(tool.jaw, surgeon(new THREE.Vector3(0, 0, -1)));
+    if (isHook(tool)) return hook(tool.radius, blade, surgeon(blade.clone().negate()));
+    if (tool.type === 'cautery') return cautery(tool.radius || 0.005);
+    if (tool.type === 'probe') return probe(tool.radius || 0.005, blade.length());
+    if (tool.type !== 'scalpel') return forceps(this.stage.size);
+    const length = Math.min(blade.length(), 0.3 * this.stage.size);
+    return scalpel(length, shaft.applyQuaternion(rest.clone().invert()));
   }
 
   remove(id, item) {
@@ -126,17 +129,18 @@ export class Instruments {
     item.body.userData.open?.(tool.opening ?? 0);
     const tip = item.body.getObjectByName('tip');
     for (const look of Object.values(tip?.userData.looks ?? {})) look.emissiveIntensity = tool.on ? 2.2 : 0;
-    const near = nearness(size, tool.most);
+    const near = nearness(size, tool.most),
+      isPlain = !(tool.type in doing) || (isHook(tool) && !tool.on); // what it does is to pull or press
     item.arrow.userData.material.color.set(tool.colour).lerp(red, near);
     item.at = new THREE.Vector3(...tool.position);
     item.isOld = !isDue; // what is written
     if (isDue) {
       item.isWritten = true;
       const newtons = `${size.toFixed(2)} N` + (near > 0 ? ` of ${tool.most}` : '');
-      item.label.textContent = doing[tool.type] ?? newtons;
+      item.label.textContent = isPlain ? newtons : doing[tool.type];
       item.label.className = near > 0 ? 'near' : '';
     }
-    item.label.hidden = tool.type in doing && !tool.on;
+    item.label.hidden = !isPlain && !tool.on;
     item.arrow.visible = size > 0.02;
     if (!item.arrow.visible) return;
     const length = Math.min(
@@ -160,6 +164,8 @@ export class Instruments {
     }
   }
 }
+
+const isHook = ({type, blade}) => type === 'cautery' && Boolean(blade?.some(length => length !== 0));
 
 /** A direction in the axes of a tool. */
 const fromTool = (direction, tool) =>
@@ -209,6 +215,44 @@ function cautery(radius) {
     shaftOf(0.4 * radius, 0.5 * radius, 5 * radius, steel),
     shaftOf(0.7 * radius, 5 * radius, 90 * radius, dark),
   );
+  return group;
+}
+
+// A wire from the origin on, and a shaft that leads from there to where the surgeon stands.
+function hook(radius, wire, surgeon) {
+  const group = new THREE.Group(),
+    looks = metal(0xb9a58c, {metalness: 0.7, roughness: 0.35}),
+    length = wire.length(),
+    handle = new THREE.Group(),
+    bent = partOf(new THREE.CapsuleGeometry(0.6 * radius, length, 8, 16), looks);
+  for (const look of Object.values(looks)) look.emissive.set(0xff5a1a);
+  bent.name = 'tip';
+  bent.castShadow = true;
+  bent.position.copy(wire).divideScalar(2);
+  bent.quaternion.setFromUnitVectors(new THREE.Vector3(0, 1, 0), wire.clone().normalize());
+  handle.quaternion.setFromUnitVectors(new THREE.Vector3(0, 0, 1), surgeon.clone().normalize());
+  handle.add(shaftOf(0.6 * radius, 0, 0.8 * length, steel), shaftOf(radius, 0.8 * length, 11 * length, dark));
+  group.add(bent, handle);
+  return group;
+}
+
+// Two legs along x, above and below the plane z = 0, about the origin; the shaft is where they begin.
+function applier([width, , length], surgeon) {
+  const group = new THREE.Group(),
+    handle = new THREE.Group(),
+    legs = [-1, 1].map(() => partOf(new THREE.BoxGeometry(length, width, 0.5 * width), steel)),
+    bar = partOf(new THREE.BoxGeometry(0.5 * width, width, 1), dark),
+    r = 0.3 * width;
+  for (const part of [...legs, bar]) part.castShadow = true;
+  bar.position.x = handle.position.x = -0.5 * length;
+  handle.quaternion.setFromUnitVectors(new THREE.Vector3(0, 0, 1), surgeon);
+  handle.add(shaftOf(r, 0, 0.8 * length, steel), shaftOf(1.4 * r, 0.8 * length, 9 * length, dark));
+  group.add(...legs, bar, handle);
+  group.userData.open = opening => {
+    legs.forEach((leg, k) => (leg.position.z = (k === 0 ? -0.5 : 0.5) * (opening + 0.5 * width)));
+    bar.scale.z = opening + width;
+  };
+  group.userData.open(0);
   return group;
 }
 

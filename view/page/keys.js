@@ -20,6 +20,9 @@ export function listenToKeys(page) {
     x: press('tool-scalpel'),
     p: press('tool-probe'),
     j: press('tool-jaws'),
+    u: press('tool-hook'),
+    a: press('tool-clip'),
+    d: () => page.hands.setPedal(true),
     e: press('tool-paint'),
     t: press('tool-measure'),
     l: press('open-button'),
@@ -66,6 +69,8 @@ export function listenToKeys(page) {
     event.preventDefault();
     press(page.mode === 'edit' ? 'undo' : 'undo-act')();
   };
+  addEventListener('keyup', ({key}) => key.toLowerCase() === 'd' && page.hands.setPedal(false));
+  addEventListener('blur', () => page.hands.setPedal(false));
   const mayRepeat = /^(\.|\+|-|\[|\]|arrow.*|page.*)$/;
   addEventListener('keydown', event => {
     const key = event.key.toLowerCase(),

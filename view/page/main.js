@@ -36,6 +36,8 @@ const hints = {
   scalpel: 'Drag over the organ to cut it; the wheel makes the cut deeper',
   probe: 'Press on the organ, and drag along it; the wheel presses deeper',
   jaws: 'Press on the organ: the jaws grip what is between them',
+  hook: 'Begin beside an edge and drag to lift it. D, or the right button too, burns',
+  clip: 'Press on what is narrow. The clip closes when you let go; Esc takes the applier away',
   measure: 'Drag over the organ to measure a distance',
 };
 
@@ -156,7 +158,7 @@ class Page {
     if (frame.tools) {
       this.newtons.take(frame.tools);
       this.instruments.update(frame.tools, this.isDue);
-      this.hands.follow(frame.tools);
+      this.hands.follow(frame.tools, (frame.status ?? this.status).time);
     }
     if (frame.status) this.takeStatus(frame.status);
     this.frames = (this.frames ?? 0) + 1;
@@ -441,6 +443,8 @@ class Page {
     click('tool-scalpel', () => this.take('scalpel'));
     click('tool-probe', () => this.take('probe'));
     click('tool-jaws', () => this.take('jaws'));
+    click('tool-hook', () => this.take('hook'));
+    click('tool-clip', () => this.take('clip'));
     click('tool-measure', () => this.take('measure'));
     click('tool-paint', () => this.take('paint'));
     click('pause', () => this.ask({do: 'pause', on: this.status.running}));
@@ -477,6 +481,7 @@ class Page {
     };
     this.hands.onHover = (hit, x, y) => this.bodies.point(hit ? this.organ.bodyOf(hit) : undefined, x, y);
     this.hands.onEntry = (hit, {forward}) => this.rememberBlade(hit, forward);
+    this.hands.onRefusal = why => this.messages.add(why);
     this.hands.onBlade = blade =>
       this.hint(blade ? `${inMillimetres(blade.depth)} deep; the wheel changes it` : '');
     listenToPreferences((name, on) => {
@@ -512,6 +517,8 @@ class Page {
       ['tool-scalpel', 'scalpel'],
       ['tool-probe', 'probe'],
       ['tool-jaws', 'jaws'],
+      ['tool-hook', 'hook'],
+      ['tool-clip', 'clip'],
       ['tool-measure', 'measure'],
       ['tool-paint', 'paint'],
     ])

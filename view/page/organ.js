@@ -456,6 +456,31 @@ export class Organ {
     return ray.at((last + hit.distance) / 2, at);
   }
 
+  /** The surface as it is now of the body that was hit: its triangles, and where its vertices are. */
+  around(hit) {
+    const {triangles, body, rest} = this.surface,
+      of = this.bodyOf(hit);
+    const isOf = (_, i) => !body || body[Math.floor(i / 3)] === of;
+    return {triangles: triangles.filter(isOf), x: this.served ?? rest};
+  }
+
+  /** Of what is near a place of the window, a point there that is as deep; null: nothing is within `reach`
+   *  pixels. */
+  beside(x, y, reach) {
+    const {array} = this.position,
+      at = new THREE.Vector3();
+    let best = reach,
+      depth = 0;
+    for (let i = 0; i < array.length; i += 3) {
+      const place = this.stage.project(at.fromArray(array, i)),
+        distance = place ? Math.hypot(place.x - x, place.y - y) : Infinity;
+      if (distance < best) [best, depth] = [distance, this.stage.depth(at)];
+    }
+    if (!(best < reach)) return null;
+    const {origin, direction} = this.stage.ray(x, y);
+    return origin.clone().addScaledVector(direction, depth / direction.dot(this.stage.forward()));
+  }
+
   /** How thick the organ is behind a point of its surface, along a direction [m]; 0: nothing is there. */
   thickness(/** @type {THREE.Vector3} */ point, /** @type {THREE.Vector3} */ direction) {
     const reach = this.extent(direction),

@@ -14,15 +14,17 @@ export const overlayIsShown = () => !overlay.hidden;
 
 export function showHelp() {
   const rows = [
-    ['Left drag on the organ', 'pull it; with the cautery, burn along; with the scalpel, cut; with the probe, press; with the jaws, grip; with the brush, paint'],
+    ['Left drag on the organ', 'pull it; with the cautery, burn along; with the scalpel, cut; with the probe, press; with the jaws, grip; with the hook, lift; with the clip, close it on what is narrow; with the brush, paint'],
     ['Wheel while pulling, cutting or pressing', 'nearer and farther, deeper'],
     ['Jaws', 'one above the other, as you look: close where they come to rest, grip until you let go'],
+    ['Hook', 'begin beside an edge: what lies on its wire is lifted; D, or the right button too, burns while it is pressed'],
+    ['Clip', 'closes when you let go, and stays; Esc takes the applier away before that'],
     ['Shift while letting go, or H', 'this instrument stays where it is: take a second one; drag it later'],
     ['Two fingers', 'on the organ: two instruments; beside it: zoom and shift the camera'],
     ['Double click, or Esc', 'all instruments let go'],
     ['Right drag · wheel · middle drag', 'turn · zoom · shift the camera'],
     ['Arrows · + − · Shift with arrows', 'the same by keys; Home: from the front, all of the organ'],
-    ['G · C · X · P · J · E', 'grasp · cautery · scalpel · probe · jaws · paint regions'],
+    ['G · C · X · P · J · U · A · E', 'grasp · cautery · scalpel · probe · jaws · hook · clip · parts of the organ'],
     ['T, then left drag', 'measure a distance; Esc takes the tape away'],
     ['Y', 'a hand by keys: arrows move it (with Shift faster), Enter takes hold and lets go, Page up and down are the wheel'],
     ['[ · ]', 'smaller · larger instrument; for the scalpel: the depth at which it begins'],

@@ -5,6 +5,8 @@ const of = organ => ({
   scalpel: {word: 'Depth', what: 'How deep the blade begins below the surface', size: 0.02 * organ},
   probe: {word: 'Tip', what: 'Radius of the tip that presses', size: 0.01 * organ},
   jaws: {word: 'Opening', what: 'How far the jaws are apart', size: 0.1 * organ},
+  hook: {word: 'Wire', what: 'Length of the wire of the hook', size: 0.05 * organ},
+  clip: {word: 'Clip', what: 'How wide a clip opens at most', size: 0.08 * organ},
 });
 const usual = 0.135, // radius of an organ for which these are [m]
   steps = 8, // of the slider, for twice the size

@@ -6,7 +6,8 @@ const most = 3; // cards
 const betweenTexts = 250; // of a card that is said again and again [ms]
 // What the simulation puts right by itself.
 const quiet = /sub_stepped|unravelling|lumped|cache|went_back/;
-const serious = /stands_still|failed|diverged|too_stiff|everything_cut|refused/;
+const good = /clipped/;
+const serious = /bleeding|leak|stands_still|failed|diverged|too_stiff|everything_cut|refused/;
 
 // For a surgeon; what the simulation says of it stands in the card's title, and in its place with details.
 const words = {
@@ -19,6 +20,12 @@ const words = {
   slipped: 'The grip slipped off: it was pulled too hard.',
   blade_inside: 'The blade is wholly inside: this cut opens nowhere. Draw it out a little.',
   missed: 'There is nothing to take hold of.',
+  inside: 'The instrument began inside the organ, and feels nothing of it: draw it out.',
+  clip: 'The clip has closed on nothing.',
+  clipped: 'A clip has closed.',
+  bleeding: 'It bleeds: what was opened carries blood.',
+  leak: 'Bile leaks: what was opened carries it.',
+  too_stiff: 'This organ is too firm for the simulation to keep up. Coarser parts, or softer tissue, help.',
 };
 
 const keyOf = ({name, about}) => `${name} ${about ?? ''}`;
@@ -43,7 +50,8 @@ export class Messages {
       const news = times - (known.get(key) ?? 0);
       if (news <= 0) continue;
       const {name, text} = messages.findLast(message => keyOf(message) === key);
-      if (!quiet.test(name)) this.add(text, serious.test(name) ? 'bad' : 'warn', key, news, words[name]);
+      const kind = serious.test(name) ? 'bad' : good.test(name) ? '' : 'warn';
+      if (!quiet.test(name)) this.add(text, kind, key, news, words[name]);
     }
   }
 

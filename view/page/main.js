@@ -201,11 +201,11 @@ class Page {
     if (first) {
       this.stage.lookAt(topology.rest);
       this.sizes.fit(this.stage.size);
-      this.hintOf(this.hands.kind);
     }
     this.organ.x = this.organ.served = null;
     const x = positions?.revision === topology.revision ? positions.x : undefined;
     this.organ.setTopology(topology, x, fibres, bodies);
+    if (first) this.hintOf(this.hands.kind);
     this.isMeasured = false;
     this.showLegend();
   }
@@ -226,7 +226,7 @@ class Page {
     }
     if (status.mode !== this.mode) this.changeMode(status.mode);
     if (status.edit) this.editor.update(status.edit);
-    this.opener.update(status);
+    this.opener.update(status, this.force);
     this.showControl(status);
     if (status.run !== this.run) this.beginAnew(status.run);
     this.messages.take(status.messages ?? []);

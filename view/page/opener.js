@@ -38,7 +38,7 @@ export class Opener {
     this.tell = tell;
     this.pins = pins;
     this.choices = {shipped: [], tissues: [], extensions: [], largest_file: Infinity, chosen: null};
-    this.now = {possible: 0, tets: 0}; // of the organ that is simulated
+    this.now = {possible: 0, tets: 0}; // of the organ that is simulated, while it is moved
     this.may = false; // this page controls
     element('open-file').onclick = () => element('open-input').click();
     element('open-input').onchange = ({target}) => {
@@ -148,6 +148,7 @@ export class Opener {
 
   /** What a page may choose, and what was chosen for the scene that is open now. */
   take(choices) {
+    if (choices.opened !== this.choices.opened) this.now = {possible: 0, tets: 0};
     this.choices = choices;
     const scenes = Object.assign(document.createElement('optgroup'), {label: 'Scenes'}),
       organs = Object.assign(document.createElement('optgroup'), {label: 'Organs alone'});
@@ -231,9 +232,10 @@ export class Opener {
       tets = edge === chosen.edge ? chosen.tets : tetrahedra(chosen.volume, edge);
     element('edge-length').textContent = `${(1e3 * edge).toPrecision(2)} mm`;
     const figures = [`${Math.round(Number(tets.toPrecision(3))).toLocaleString('en')} tetrahedra`];
-    if (this.now.possible > 0) figures.push(`${speed(this.now, tets).toPrecision(2)} × real time`);
+    if (this.now.possible > 0) figures.push(`${Number(speed(this.now, tets).toPrecision(2))} × real time`);
     figures.push(`error about ${(100 * error(tets)).toPrecision(2)} %`);
-    element('edge-figures').textContent = figures.join(', ');
+    const more = this.now.possible > 0 ? '' : '. Pull the organ: then its speed is known, too';
+    element('edge-figures').textContent = figures.join(', ') + more;
     const isUnknown = ['tissue', 'hold'].some(id => element(id).value === ''),
       changes = this.changes(),
       pins = changes.pins ?? chosen.pins,
@@ -271,8 +273,9 @@ export class Opener {
     );
   }
 
-  /** @param {{possible: number, tets: number, running: boolean, opening?: {title: string}}} status */
-  update(status) {
+  /** @param {{possible: number, tets: number, running: boolean, opening?: {title: string}}} status
+   *  @param {number} force of the instruments [N]: what is not moved sleeps, and tells no speed */
+  update(status, force) {
     if (status.opening?.title !== this.title) {
       this.title = status.opening?.title;
       this.since = performance.now();
@@ -282,8 +285,10 @@ export class Opener {
       const seconds = Math.floor((performance.now() - this.since) / 1e3);
       this.show(`${this.title} …${seconds > 1 ? ` ${seconds} s` : ''}`, true);
     }
-    if (!status.running || !(status.possible > 0)) return;
-    const isNews = this.now.possible === 0;
+    if (!status.running || !(status.possible > 0) || !(force > 0.05)) return;
+    const {possible, tets} = this.now,
+      isNews = possible === 0;
+    if (!isNews && possible <= status.possible && tets === status.tets) return;
     this.now = {possible: status.possible, tets: status.tets};
     if (isNews) this.showChoices();
   }

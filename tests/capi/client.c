@@ -242,6 +242,49 @@ static void save_and_restore(const char* data, const char* folder) {
   lobe_close(second);
 }
 
+/* Forces on a hand that lifts the end of a beam and stays there: 0.5 s later, and 4.5 s later. */
+static void forces_of_a_lift(const char* data, const char* series, double forces[2]) {
+  char beam[600];
+  snprintf(
+      beam, sizeof beam,
+      "{\"mesh\": \"meshes/beam_1k.vtu\", \"gravity\": [0, 0, 0],"
+      " \"materials\": [{\"lame_lambda\": 2e4, \"lame_mu\": 1e4, \"viscosity\": %s}],"
+      " \"boundary\": [{\"fix\": true, \"where\": {\"box\": {\"min\": [-1, -1, -1], \"max\": [0, 1, 1]}}}],"
+      " \"time\": {\"damping\": 40}}",
+      series);
+  lobe_session* session = NULL;
+  lobe_tool hand = {.size = sizeof hand};
+  const double point[3] = {0.12, 0.015, 0.03};
+  CHECK(lobe_open_text(beam, data, NULL, &session) == LOBE_OK);
+  if (!session) return;
+  CHECK(lobe_grasp(session, 1, point, 0.012) == LOBE_OK && lobe_advance(session, 2) == LOBE_OK);
+  for (int i = 1; i <= 10; ++i) {
+    const double pose[7] = {0.12, 0.015, 0.03 + 4e-4 * i, 0, 0, 0, 1};
+    CHECK(lobe_move(session, 1, pose) == LOBE_OK && lobe_advance(session, 1) == LOBE_OK);
+  }
+  for (int i = 0; i < 2; ++i) {
+    CHECK(lobe_advance(session, i == 0 ? 30 : 240) == LOBE_OK);
+    CHECK(lobe_get_tool(session, 1, &hand) == LOBE_OK);
+    forces[i] = -hand.force[2];
+  }
+  lobe_close(session);
+}
+
+/* A material with a Prony series pushes back harder at first, and in the end as one without. */
+static void relaxation(const char* data) {
+  double elastic[2] = {0, 0}, viscous[2] = {0, 0};
+  forces_of_a_lift(data, "[{\"shear\": 1e-9, \"time\": 0.25}]", elastic);
+  forces_of_a_lift(data, "[{\"shear\": 0.5, \"bulk\": 0.5, \"time\": 0.25}]", viscous);
+  CHECK(elastic[0] > 0.01 && viscous[0] > 1.2 * elastic[0] && viscous[0] < 2 * elastic[0]);
+  CHECK(fabs(elastic[1] - elastic[0]) < 0.05 * elastic[1]);
+  CHECK(fabs(viscous[1] - elastic[1]) < 0.01 * elastic[1]);
+  lobe_session* session = NULL;
+  CHECK(lobe_open_text("{\"mesh\": \"meshes/beam_1k.vtu\", \"materials\": [{\"lame_lambda\": 2e4, "
+                       "\"lame_mu\": 1e4, \"viscosity\": [{\"shear\": 1, \"time\": 0.1}]}]}",
+                       data, NULL, &session) == LOBE_BAD_INPUT &&
+        strstr(lobe_last_error(), "/materials/0/viscosity"));
+}
+
 /* In left-handed axes with y up, in centimetres, the same body has the same volume and the hand the same
  * force. */
 static void other_axes(const char* data) {
@@ -477,6 +520,7 @@ int main(int argc, char** argv) {
   two_bodies(argv[1]);
   lift_and_burn(argv[1], argv[2]);
   save_and_restore(argv[1], argv[2]);
+  relaxation(argv[1]);
   other_axes(argv[1]);
   servo(argv[1]);
   own_thread(argv[1]);

@@ -19,6 +19,28 @@ def test_a_beam_comes_to_rest_in_its_static_equilibrium(scene, mesh):
     assert exact.u[:, 2].min() < -0.01
 
 
+def test_a_material_with_viscosity_relaxes(mesh, tip):
+    def forces(**material):  # of the end that is pulled in one frame and stays there: after it, and at last
+        materials = [dict(lame_lambda=2e4, lame_mu=1e4, density=1000, **material)]
+        still = dict(conftest.BEAM, materials=materials, gravity=[0, 0, 0], time={"damping": 200, "precision": "double"})
+        world = lobe.World(lobe.Scene(still, mesh))
+        grasp = world.grasp(tip)
+        world.advance(1 / 60)
+        grasp.move_to(grasp.position + [0.002, 0, 0])
+        found = []
+        for frame in range(1, 91):
+            assert world.advance(1 / 60).ok
+            if frame in (7, 90):
+                found.append(grasp.force[0])
+        return np.array(found)
+
+    ratio = forces(viscosity=[{"shear": 0.5, "bulk": 0.5, "time": 0.1}]) / forces()
+    assert ratio == pytest.approx([1 + np.exp(-6.5 / 60 / 0.1), 1], rel=0.03)
+    with pytest.raises(lobe.InputError) as caught:
+        forces(viscosity=[{"shear": 0.6, "time": 0.1}, {"shear": 0.4, "time": 1}])
+    assert caught.value.place == "/materials/0/viscosity"
+
+
 def test_the_same_bits_on_one_and_two_threads(scene):
     one, two = lobe.World(scene, threads=1), lobe.World(scene, threads=2)
     for world in (one, two):

@@ -1,6 +1,8 @@
 // Viscosity in a scene: read, written, described, and what is wrong with it, on a bar of 0.4 × 0.1 × 0.1 m.
 #include <doctest/doctest.h>
 
+#include <algorithm>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
 
@@ -9,9 +11,13 @@
 #include "lobe/scene/describe.h"
 #include "lobe/scene/read_scene.h"
 #include "lobe/scene/resolve.h"
+#include "lobe/scene/scene_mesh.h"
 #include "lobe/scene/write_scene.h"
+#include "lobe/sim/world.h"
+#include "near.h"
 
 using namespace lobe;
+using namespace lobe::test;
 using nlohmann::json;
 
 namespace {
@@ -43,6 +49,23 @@ void check_has(const std::string& text, const std::string& part) {
 }
 
 const std::string two_terms = R"([{"shear": 0.3, "bulk": 0.1, "time": 0.05}, {"shear": 0.2, "time": 1.5}])";
+
+struct HandForces {
+  double highest, last;  // [N]
+};
+
+// On the hand that pulls at a liver and stays there.
+HandForces hand_forces(const Scene& scene) {
+  World<float> world(resolve(scene, read_scene_mesh(scene).mesh).setup);
+  HandForces forces{0, 0};
+  while (world.time() < 2.19) {
+    REQUIRE(world.advance(scene.time.frame).ok);
+    if (world.tools().lists().grasps.empty()) continue;
+    forces.last = world.tools().lists().grasps.front().force.norm();
+    forces.highest = std::max(forces.highest, forces.last);
+  }
+  return forces;
+}
 
 }  // namespace
 
@@ -91,4 +114,15 @@ TEST_CASE(
   CHECK(pressure_of(two_terms, false) == 0);
   CHECK(pressure_of(R"([{"shear": 0.6, "time": 1}])", true) == 1);
   CHECK_THROWS_WITH_AS(pressure_of(two_terms, true), doctest::Contains("nodal_pressure"), InputError);
+}
+
+TEST_CASE("the shipped liver pulls hardest at first, and in the end as one without viscosity") {
+  Scene scene = read_scene(std::filesystem::path(LOBE_DATA_DIR) / "scenes" / "liver_relaxing.json");
+  const HandForces viscous = hand_forces(scene);
+  scene.materials[0].viscosity = {};
+  const HandForces elastic = hand_forces(scene);
+  MESSAGE("viscous: ", viscous.highest, " N, then ", viscous.last, " N; elastic: ", elastic.highest,
+          " N, then ", elastic.last, " N");
+  CHECK(viscous.highest > 1.2 * elastic.highest);
+  CHECK(viscous.last == near(elastic.last, 0.03));
 }

@@ -80,6 +80,44 @@ TEST_CASE("legacy VTK: of several arrays of whole numbers the only one with a us
                  "has no cell array \"else\" of single numbers, but item, RegionID");
 }
 
+TEST_CASE("legacy VTK: whole numbers that are stored as floating-point ones are labels, where they can be") {
+  const auto notes = [](const std::string& arrays) {
+    const MeshFile file = read_legacy(legacy_head + points + cells + "CELL_DATA 2\nFIELD f 2\n" + arrays);
+    return std::pair(file.mesh.labels, file.notes);
+  };
+  const std::string density = "density 1 2 double\n1000 1060\n", share = "share 1 2 float\n0.5 1\n";
+  const auto [labels, said] = notes(density + "Materials 1 2 double\n2000 4\n");
+  CHECK(labels == std::vector<int>{2000, 4});
+  CHECK(said == std::vector<std::string>{"labels are those of the cell array \"Materials\" (4, 2000), whole "
+                                         "numbers that are stored as floating-point ones"});
+  CHECK(notes(share + "organ 1 2 float\n3 0\n").first == std::vector<int>{3, 0});
+  CHECK(notes(share + "organ 1 2 float\n3 3\n").first == std::vector<int>{0, 0});  // tells nothing apart
+  CHECK(notes(share + "part 1 2 float\n3 3\n").first == std::vector<int>{3, 3});   // but its name does
+  CHECK(notes(density + share).first == std::vector<int>{0, 0});
+  CHECK(notes("rank 1 2 int\n0 1\nRegionId 1 2 float\n5 6\n").first == std::vector<int>{5, 6});
+  CHECK(notes("rank 1 2 int\n0 1\norgan 1 2 float\n5 6\n").first == std::vector<int>{0, 1});
+  CHECK_CONTAINS(notes("a 1 2 float\n0 1\nb 1 2 float\n5 6\n").second.at(0),
+                 "several cell arrays of whole numbers, \"a\" (0, 1), \"b\" (5, 6)");
+}
+
+TEST_CASE("legacy VTK: triangles with a label are the group of that number") {
+  const std::string five =
+      "CELLS 5 25\n4 0 1 2 3\n3 0 1 2\n4 1 2 3 4\n3 1 2 3\n6 0 1 2 0 0 0\n"
+      "CELL_TYPES 5\n10 5 10 5 22\n";
+  const MeshFile file = read_legacy(legacy_head + points + five +
+                                    "CELL_DATA 5\nSCALARS RegionId int\nLOOKUP_TABLE default\n1 11 2 0 12\n");
+  CHECK(file.mesh.labels == std::vector<int>{1, 2});
+  CHECK(file.ignored_cells == 1);
+  REQUIRE(file.surfaces.size() == 2);
+  CHECK(file.surfaces[0].number == 11);
+  CHECK(file.surfaces[0].triangles == std::vector<std::array<Index, 3>>{{0, 1, 2}});
+  CHECK(file.surfaces[1].number == 12);
+  CHECK(read_legacy(legacy_head + points + five).ignored_cells == 3);
+  CHECK_CONTAINS(fault_in_legacy(legacy_head + points + fixture::edited(five, "3 0 1 2", "3 0 1 9") +
+                                 "CELL_DATA 5\nSCALARS label int\nLOOKUP_TABLE default\n1 11 2 0 0\n"),
+                 "cell 1: names vertex 9, expected 0 … 4");
+}
+
 TEST_CASE("legacy VTK: numbers that tell cells apart are no labels") {
   std::string text = legacy_head + "POINTS 104 float\n0 0 0 1 0 0 0 1 0 ", connectivity, types, ids, labels;
   for (int i = 0; i < 101; ++i) {

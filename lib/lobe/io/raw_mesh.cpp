@@ -26,11 +26,18 @@ Index number_of(const std::map<std::string, Index>& cells) {
   return sum;
 }
 
+// lobe-mesh reads surfaces of VTK's formats, but not of the others.
 void refuse_without_tetrahedra(const RawMesh& raw, const std::string& name) {
-  if (!raw.corners.empty() || raw.ignored.empty()) return;
-  throw InputError(name, "has no tetrahedron, only " + listed(raw.ignored) +
-                             "; a surface is meshed by lobe-mesh, other volume cells must be split into "
-                             "tetrahedra first");
+  std::map<std::string, Index> others = raw.ignored;
+  for (const auto& [number, group] : raw.surfaces)
+    if (!group.triangles.empty()) others["triangle"] += static_cast<Index>(group.triangles.size());
+  if (!raw.corners.empty() || others.empty()) return;
+  const std::string extension = lower_case(std::filesystem::path(name).extension().string());
+  const bool is_vtk = extension == ".vtk" || extension == ".vtu";
+  throw InputError(name, "has no tetrahedron, only " + listed(others) +
+                             (is_vtk ? "; a surface is meshed by lobe-mesh"
+                                     : "; save a surface as .stl or .obj, which lobe-mesh meshes") +
+                             ", other volume cells must be split into tetrahedra first");
 }
 
 // Leaves out the vertices in the middle of edges, unless they are corners as well. Returns which vertices are

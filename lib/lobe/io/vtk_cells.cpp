@@ -1,6 +1,7 @@
 #include "lobe/io/vtk_cells.h"
 
 #include <algorithm>
+#include <iterator>
 #include <set>
 
 #include "lobe/error.h"
@@ -10,7 +11,7 @@
 namespace lobe::io {
 namespace {
 
-constexpr double vtk_tetra = 10, vtk_quadratic_tetra = 24;
+constexpr double vtk_triangle = 5, vtk_tetra = 10, vtk_quadratic_triangle = 22, vtk_quadratic_tetra = 24;
 
 // Names of VTK's cell types.
 std::string kind_of(double type) {
@@ -107,10 +108,15 @@ void add_polygons(const VtkCells& cells, const std::string& place, Polygons& pol
   });
 }
 
-std::vector<std::size_t> add_tetrahedra(const VtkCells& cells, const std::string& place, RawMesh& raw) {
-  std::vector<std::size_t> tets;
+TakenCells take_cells(const VtkCells& cells, const std::string& place, RawMesh& raw) {
+  TakenCells taken;
   for_each_cell(cells, place, [&](std::size_t cell, std::int64_t begin, std::int64_t end) {
     const double type = cells.types[cell];
+    if ((type == vtk_triangle && end - begin == 3) || (type == vtk_quadratic_triangle && end - begin == 6)) {
+      taken.triangles.push_back(cell);
+      taken.begins.push_back(std::size_t(begin));
+      return;
+    }
     const std::int64_t nodes = type == vtk_tetra ? 4 : type == vtk_quadratic_tetra ? 10 : 0;
     if (nodes == 0) {
       ++raw.ignored[kind_of(type)];
@@ -124,9 +130,9 @@ std::vector<std::size_t> add_tetrahedra(const VtkCells& cells, const std::string
         vertices_of(cells, cell, std::size_t(begin), std::size_t(nodes), place, raw);
     nodes == 4 ? (void)raw.corners.insert(raw.corners.end(), vertices.begin(), vertices.end())
                : add_ten_node(vertices, raw);
-    tets.push_back(cell);
+    taken.tets.push_back(cell);
   });
-  return tets;
+  return taken;
 }
 
 namespace {
@@ -173,16 +179,34 @@ constexpr const char* label_names[] = {"label", "gmsh:physical", "medit:ref", "C
 
 // What other programs call them, in small letters. Of several arrays the one with such a name is taken.
 constexpr std::string_view names_elsewhere[] = {
-    "labels",    "label_id", "material",      "materials",        "materialid", "material_id",
-    "regionid",  "region",   "modelregionid", "gmsh:geometrical", "attribute",  "attributes",
-    "subdomain", "part",     "partid",        "part_id"};
+    "label",       "labels",    "label_id", "material",      "materials",        "materialid",
+    "material_id", "regionid",  "region",   "modelregionid", "gmsh:geometrical", "attribute",
+    "attributes",  "subdomain", "part",     "partid",        "part_id"};
 
-const CellArray* only_known(const std::vector<const CellArray*>& arrays) {
-  std::vector<const CellArray*> known;
-  for (const CellArray* array : arrays)
-    if (std::ranges::find(names_elsewhere, lower_case(array->name)) != std::end(names_elsewhere))
-      known.push_back(array);
-  return known.size() == 1 ? known[0] : nullptr;
+using CellArrays = std::vector<const CellArray*>;
+
+bool has_usual_name(const CellArray& array) {
+  return std::ranges::find(names_elsewhere, lower_case(array.name)) != std::end(names_elsewhere);
+}
+
+CellArrays with_usual_names(const CellArrays& arrays) {
+  CellArrays found;
+  std::ranges::copy_if(arrays, std::back_inserter(found),
+                       [](const auto* array) { return has_usual_name(*array); });
+  return found;
+}
+
+// Whether floating-point numbers are labels: whole ones, and where the name does not say so, numbers of parts
+// rather than densities or moduli.
+bool may_be_labels(const CellArray& array, const std::vector<std::size_t>& tets) {
+  constexpr double most_parts = 255;
+  std::set<double> different;
+  for (const std::size_t cell : tets) {
+    if (!whole_number(array.values[cell], -max_index, max_index)) return false;
+    different.insert(array.values[cell]);
+  }
+  if (has_usual_name(array)) return !different.empty();
+  return different.size() > 1 && *different.begin() >= 0 && *different.rbegin() <= most_parts;
 }
 
 const CellArray& array_named(std::string_view name, const std::vector<CellArray>& arrays,
@@ -196,42 +220,72 @@ const CellArray& array_named(std::string_view name, const std::vector<CellArray>
                               (list.empty() ? "" : ", but " + list));
 }
 
-}  // namespace
+std::string in_words(const CellArrays& arrays, const std::vector<std::size_t>& tets) {
+  std::string list;
+  for (const CellArray* array : arrays)
+    list += (list.empty() ? "\"" : ", \"") + array->name + "\" (" + values_of(array->values, tets) + ")";
+  return list;
+}
 
-std::string take_labels(const std::vector<CellArray>& arrays, const std::vector<std::size_t>& tets,
-                        const std::string& place, std::string_view wanted, RawMesh& raw) {
-  const auto take = [&](const CellArray& array) {
-    raw.labels = labels_of(array.values, tets, place + ": " + array.name);
-    return array.name;
-  };
-  if (!wanted.empty()) return take(array_named(wanted, arrays, place));
+// The array that has the labels, or null. Arrays of whole numbers go before those of floating-point ones, and
+// one that has a usual name before others.
+const CellArray* array_of_labels(const std::vector<CellArray>& arrays, const std::vector<std::size_t>& tets,
+                                 std::vector<std::string>& notes) {
   for (const char* name : label_names)
     for (const CellArray& array : arrays)
-      if (array.name == name) return take(array);
-  std::vector<const CellArray*> whole;
-  for (const CellArray& array : arrays)
-    if (array.is_whole && !is_identifier(array)) whole.push_back(&array);
-  if (whole.empty()) return "";
-  const auto described = [&](const CellArray& array) {
-    return "\"" + array.name + "\" (" + values_of(array.values, tets) + ")";
-  };
-  if (whole.size() == 1) {
-    raw.notes.push_back("labels are those of the cell array " + described(*whole[0]));
-    return take(*whole[0]);
+      if (array.name == name) return &array;
+  CellArrays whole, floating;
+  for (const CellArray& array : arrays) {
+    if (is_identifier(array)) continue;
+    if (array.is_whole)
+      whole.push_back(&array);
+    else if (may_be_labels(array, tets))
+      floating.push_back(&array);
   }
-  if (const CellArray* known = only_known(whole)) {
-    std::string others;
-    for (const CellArray* array : whole)
-      if (array != known) others += (others.empty() ? "" : ", ") + described(*array);
-    raw.notes.push_back("labels are those of the cell array " + described(*known) + ", not those of " +
-                        others + "; lobe convert --labels ARRAY takes another");
-    return take(*known);
+  CellArrays usual = with_usual_names(whole);
+  if (usual.empty()) usual = with_usual_names(floating);
+  const CellArrays& choice = usual.size() == 1 ? usual : whole.empty() ? floating : whole;
+  if (choice.empty()) return nullptr;
+  if (choice.size() > 1) {
+    notes.push_back("labels are all 0: it has several cell arrays of whole numbers, " +
+                    in_words(choice, tets) + "; lobe convert --labels ARRAY takes one of them");
+    return nullptr;
   }
-  std::string list;
-  for (const CellArray* array : whole) list += (list.empty() ? "" : ", ") + described(*array);
-  raw.notes.push_back("labels are all 0: it has several cell arrays of whole numbers, " + list +
-                      "; lobe convert --labels ARRAY takes one of them");
-  return "";
+  CellArrays others;
+  for (const CellArray* array : whole)
+    if (array != choice[0]) others.push_back(array);
+  notes.push_back("labels are those of the cell array " + in_words(choice, tets) +
+                  (choice[0]->is_whole ? "" : ", whole numbers that are stored as floating-point ones") +
+                  (others.empty() ? ""
+                                  : ", not those of " + in_words(others, tets) +
+                                        "; lobe convert --labels ARRAY takes another"));
+  return choice[0];
+}
+
+// Triangles of another label than 0 are in the group of that number.
+void take_groups(const CellArray* labels, const VtkCells& cells, const TakenCells& taken,
+                 const std::string& place, RawMesh& raw) {
+  for (std::size_t k = 0; k < taken.triangles.size(); ++k) {
+    const std::size_t cell = taken.triangles[k];
+    const auto group = labels ? whole_number(labels->values[cell], -max_index, max_index) : std::nullopt;
+    if (group.value_or(0) == 0) {
+      ++raw.ignored[kind_of(cells.types[cell])];
+      continue;
+    }
+    const std::vector<Index> corners = vertices_of(cells, cell, taken.begins[k], 3, place, raw);
+    raw.surfaces[static_cast<int>(*group)].triangles.push_back({corners[0], corners[1], corners[2]});
+  }
+}
+
+}  // namespace
+
+std::string take_labels(const std::vector<CellArray>& arrays, const VtkCells& cells, const TakenCells& taken,
+                        const std::string& place, std::string_view wanted, RawMesh& raw) {
+  const CellArray* labels =
+      wanted.empty() ? array_of_labels(arrays, taken.tets, raw.notes) : &array_named(wanted, arrays, place);
+  if (labels) raw.labels = labels_of(labels->values, taken.tets, place + ": " + labels->name);
+  take_groups(labels, cells, taken, place, raw);
+  return labels ? labels->name : "";
 }
 
 }  // namespace lobe::io

@@ -17,8 +17,14 @@ void add_points(const std::vector<double>& coordinates, Polygons& polygons);
 // Corners are not checked against the points.
 void add_polygons(const VtkCells& cells, const std::string& place, Polygons& polygons);
 
-// Appends the tetrahedra to `raw`; returns which cells they are.
-std::vector<std::size_t> add_tetrahedra(const VtkCells& cells, const std::string& place, RawMesh& raw);
+struct TakenCells {
+  std::vector<std::size_t> tets;       // which cells are tetrahedra
+  std::vector<std::size_t> triangles;  // which are triangles
+  std::vector<std::size_t> begins;     // first place of each of these triangles in the connectivity
+};
+
+// Appends the tetrahedra to `raw`, and counts all others but triangles, which may be in groups.
+TakenCells take_cells(const VtkCells& cells, const std::string& place, RawMesh& raw);
 
 Polygons read_vtu_surface(const std::string& name, std::string_view bytes);
 
@@ -31,8 +37,9 @@ struct CellArray {
 
 // Takes the labels of the tetrahedra from the array `wanted`. Without such a wish from the one that has a
 // known name, else from the only one of whole numbers. Notes of `raw` say which, or between which it cannot
-// choose. Returns its name, empty if it took none.
-std::string take_labels(const std::vector<CellArray>& arrays, const std::vector<std::size_t>& tets,
+// choose. Triangles for which that array has another value than 0 become the group of that number. Returns
+// its name, empty if it took none.
+std::string take_labels(const std::vector<CellArray>& arrays, const VtkCells& cells, const TakenCells& taken,
                         const std::string& place, std::string_view wanted, RawMesh& raw);
 
 }  // namespace lobe::io

@@ -129,8 +129,8 @@ RawMesh read_vtk_legacy(const std::string& name, std::string_view bytes, std::st
       read_block(scan, keyword, version, mesh);
   }
   if (!mesh.has_cells) scan.fail("the file has no CELLS; it is truncated");
-  const auto tets = add_tetrahedra(mesh.cells, name, mesh.raw);
-  take_labels(arrays, tets, name, labels, mesh.raw);
+  const TakenCells taken = take_cells(mesh.cells, name, mesh.raw);
+  take_labels(arrays, mesh.cells, taken, name, labels, mesh.raw);
   return std::move(mesh.raw);
 }
 

@@ -26,6 +26,10 @@ std::vector<double> read_vtk_points(const VtkXml& xml);  // x y z of each
 // Throws unless an attribute of the piece, such as NumberOfCells, says so.
 void check_vtk_count(const VtkXml& xml, const char* attribute, std::size_t found);
 
+// Arrays of strings in <FieldData> that lobe writes: names of groups of triangles, and of labels, each after
+// its number, such as "11 held".
+inline constexpr const char *vtu_surface_names = "surface_names", *vtu_label_names = "label_names";
+
 // All numeric arrays of "PointData" or "CellData": #components × `items` each.
 using VtkData = std::map<std::string, Eigen::MatrixXd>;
 VtkData read_vtk_data(const VtkXml& xml, const char* section, std::size_t items);

@@ -1,4 +1,6 @@
-// VTK XML unstructured grids: the tetrahedra of one piece.
+// VTK XML unstructured grids: the tetrahedra of one piece, and triangles in groups.
+#include <charconv>
+
 #include "lobe/error.h"
 #include "lobe/io/vtk_cells.h"
 #include "lobe/io/vtk_xml.h"
@@ -36,6 +38,36 @@ void take_fibres(VtkData& cell_data, const std::vector<std::size_t>& tets, TetMe
   cell_data.erase(found);
 }
 
+// "11 held" and so on of an array of strings in <FieldData>, by number. Strings end with 0. What is no number
+// with a name is not lobe's, and left alone.
+std::map<int, std::string> names_in_field_data(const VtkXml& xml, const char* array) {
+  const pugi::xml_node node =
+      xml.piece.parent().child("FieldData").find_child_by_attribute("DataArray", "Name", array);
+  std::map<int, std::string> names;
+  if (std::string_view(node.attribute("type").value()) != "String") return names;
+  std::string text;
+  for (const double code : read_data_array(xml.context, node)) {
+    const auto byte = whole_number(code, -128, 255);
+    if (byte.value_or(0) != 0) {
+      text += static_cast<char>(*byte);
+      continue;
+    }
+    int number = 0;
+    const char* const last = text.data() + text.size();
+    const auto [rest, error] = std::from_chars(text.data(), last, number);
+    if (error == std::errc() && rest + 1 < last && *rest == ' ') names[number] = {rest + 1, last};
+    text.clear();
+  }
+  return names;
+}
+
+void take_names(const VtkXml& xml, RawMesh& raw) {
+  raw.label_names = names_in_field_data(xml, vtu_label_names);
+  for (auto& [number, name] : names_in_field_data(xml, vtu_surface_names))
+    if (const auto group = raw.surfaces.find(number); group != raw.surfaces.end())
+      group->second.name = std::move(name);
+}
+
 VtkData only_tetrahedra(const VtkData& cell_data, const std::vector<std::size_t>& tets) {
   VtkData data;
   for (const auto& [name, values] : cell_data) data[name] = values(Eigen::all, tets);
@@ -59,10 +91,12 @@ MeshFile read_vtu(const std::string& name, std::string_view bytes, std::string_v
   RawMesh raw;
   raw.coordinates = read_vtk_points(xml);
   const VtkCells cells = read_cells(xml);
-  const auto tets = add_tetrahedra(cells, name, raw);
+  const TakenCells taken_cells = take_cells(cells, name, raw);
+  const std::vector<std::size_t>& tets = taken_cells.tets;
   VtkData point_data = read_vtk_data(xml, "PointData", raw.coordinates.size() / 3);
   VtkData cell_data = read_vtk_data(xml, "CellData", cells.types.size());
-  const std::string taken = take_labels(single_values(xml, cell_data), tets, name, labels, raw);
+  const std::string taken = take_labels(single_values(xml, cell_data), cells, taken_cells, name, labels, raw);
+  take_names(xml, raw);
   if (taken == "label" || !labels.empty()) cell_data.erase("label");
   std::vector<Index> kept;
   MeshFile file = finish(std::move(raw), name, &kept);

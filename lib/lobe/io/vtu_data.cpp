@@ -146,7 +146,8 @@ std::string place_of(const VtuContext& context, const pugi::xml_node& node) {
 
 std::vector<double> read_data_array(const VtuContext& context, const pugi::xml_node& array) {
   const std::string place = place_of(context, array);
-  const auto type = vtu_number(array.attribute("type").value());
+  const bool is_text = std::string_view(array.attribute("type").value()) == "String";
+  const auto type = is_text ? Number::u8 : vtu_number(array.attribute("type").value());
   if (!type)
     throw InputError(place, std::string("type '") + array.attribute("type").value() +
                                 "', expected Int8 … UInt64, Float32 or Float64");

@@ -22,7 +22,7 @@ struct VtuContext {
 // "cube.vtu:12: DataArray 'Points'"
 std::string place_of(const VtuContext& context, const pugi::xml_node& node);
 
-// The numbers of a DataArray; throws InputError.
+// The numbers of a DataArray, of strings their bytes; throws InputError.
 std::vector<double> read_data_array(const VtuContext& context, const pugi::xml_node& array);
 
 }  // namespace lobe::io

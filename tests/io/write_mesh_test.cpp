@@ -1,5 +1,8 @@
+#include <Eigen/Geometry>
+
 #include "io/fixture.h"
 #include "lobe/io/grouped_mesh.h"
+#include "lobe/mesh/refine.h"
 
 using namespace lobe;
 
@@ -28,7 +31,7 @@ TEST_CASE("groups of triangles and names read back from the formats that hold th
   const TetMesh mesh = fixture::two_cubes();
   const Groups groups{{{3, "held side", {{{0, 1, 2}}, {{1, 2, 3}}}}, {7, "", {{{4, 5, 6}}}}},
                       {{1, "soft"}, {2, "stiff"}}};
-  for (const std::string name : {"a.msh", "a.msh2", "a.mesh"}) {
+  for (const std::string name : {"a.vtu", "a.msh", "a.msh2", "a.mesh"}) {
     CAPTURE(name);
     REQUIRE(holds_groups(folder.path / name));
     write_grouped_mesh(folder.path / name, mesh, groups);
@@ -44,9 +47,53 @@ TEST_CASE("groups of triangles and names read back from the formats that hold th
     }
     CHECK((read.label_names == groups.label_names) == has_names);
   }
-  CHECK_FALSE(holds_groups("a.vtu"));
+  CHECK_FALSE(holds_groups("a.vtk"));
   CHECK_CONTAINS(fixture::fault_of([&] { write_grouped_mesh(folder.path / "a.vtk", mesh, groups); }),
                  "this format holds no groups");
+}
+
+TEST_CASE("a VTU file with groups keeps its arrays, and names of any letters") {
+  const fixture::Folder folder;
+  TetMesh mesh = fixture::two_cubes();
+  mesh.fibres = Mat3X<double>::Random(3, mesh.tet_count());
+  const Groups groups{{{2, "Größe \"7\" & <x>", {{{0, 1, 2}}}}}, {{0, "rest"}, {2, "2 b"}}};
+  const DataArray place{"place", mesh.points}, number{"number", Eigen::MatrixXd::Random(2, mesh.tet_count())};
+  write_grouped_vtu(folder.path / "a.vtu", mesh, groups, {place}, {number});
+  const MeshFile read = read_mesh(folder.path / "a.vtu");
+  CHECK(read.warnings().empty());
+  CHECK(read.mesh.points == mesh.points);
+  CHECK(read.mesh.tets == mesh.tets);
+  CHECK(read.mesh.labels == mesh.labels);
+  CHECK(read.mesh.fibres == mesh.fibres);
+  CHECK(read.point_data.at("place") == place.values);
+  CHECK(read.cell_data.at("number") == number.values);
+  CHECK(read.label_names == groups.label_names);
+  REQUIRE(read.surfaces.size() == 1);
+  CHECK(read.surfaces[0].name == groups.surfaces[0].name);
+  CHECK(read.surfaces[0].triangles == groups.surfaces[0].triangles);
+  const std::string text = io::read_file(folder.path / "a.vtu");
+  CHECK_CONTAINS(text,
+                 "<Array type=\"String\" Name=\"surface_names\" NumberOfTuples=\"1\"");  // as VTK writes it
+  CHECK_CONTAINS(
+      fixture::fault_of([&] {
+        write_grouped_vtu(folder.path / "b.vtu", mesh, groups, {}, {{"few", number.values.leftCols(3)}});
+      }),
+      "array 'few' has 3 columns, expected 12 for CellData");
+}
+
+TEST_CASE("groups on a refinement are four triangles for each, and others are left out") {
+  const TetMesh mesh = box_mesh({1, 1, 1}, 1, 1, 1);
+  const RefinedMesh fine = refine(mesh);
+  const auto corners = mesh.tets.col(0);
+  const auto parts = refined_triangles({{corners[0], corners[1], corners[2]}, {0, 0, 1}}, mesh, fine);
+  REQUIRE(parts.size() == 4);
+  Vec3d sum = Vec3d::Zero();
+  const auto area = [](const TetMesh& of, const std::array<Index, 3>& t) {
+    return Vec3d(
+        (of.points.col(t[1]) - of.points.col(t[0])).cross(of.points.col(t[2]) - of.points.col(t[0])));
+  };
+  for (const auto& part : parts) sum += area(fine.mesh, part);
+  CHECK((sum - area(mesh, {corners[0], corners[1], corners[2]})).norm() < 1e-15);
 }
 
 TEST_CASE("a mesh without labels reads back with labels 0") {
@@ -70,6 +117,11 @@ TEST_CASE("what a format cannot hold is refused, and nothing is written") {
   mesh.labels[0] = -1;
   CHECK_CONTAINS(fault("a.msh"), "label -1");
   CHECK_CONTAINS(fault("a.msh2"), "label -1");
+  CHECK_CONTAINS(
+      fixture::fault_of([&] {
+        write_grouped_mesh(folder.path / "a.msh", fixture::two_cubes(), {{{-3, "", {{{0, 1, 2}}}}}, {}});
+      }),
+      "surface -3: Gmsh's groups are not negative");
   CHECK(fault("a.mesh") == "no fault");
   mesh.tets.resize(4, 0);
   CHECK_CONTAINS(fault("b.mesh"), "no tetrahedron");

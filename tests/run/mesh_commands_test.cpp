@@ -1,6 +1,7 @@
 // lobe info, convert, refine, rest, fit and sensitivity as their callers use them.
 #include <doctest/doctest.h>
 
+#include "lobe/io/grouped_mesh.h"
 #include "lobe/mesh/quality.h"
 #include "lobe/scene/material_constants.h"
 #include "lobe/text.h"
@@ -85,6 +86,40 @@ TEST_CASE("lobe refine keeps the body, its labels and its arrays, and stops at t
   }
   lobe_in(folder, "refine beam.vtu -o twice.vtu --times 2");
   CHECK(bytes_of(folder.path / "twice.vtu") == bytes_of(folder.path / "fine.vtu"));
+}
+
+TEST_CASE("lobe refine and lobe convert keep groups of surfaces and names, and say where they cannot") {
+  const Folder folder;
+  const TetMesh mesh = beam_mesh();
+  Groups groups{{{11, "held", {}}}, {{1, "soft"}}};
+  for (const auto& tet : mesh.tets.colwise())
+    for (int skipped = 0; skipped < 4; ++skipped) {
+      std::vector<Index> face;
+      for (int k = 0; k < 4; ++k)
+        if (k != skipped && mesh.points(0, tet[k]) == 0) face.push_back(tet[k]);
+      if (face.size() == 3) groups.surfaces[0].triangles.push_back({face[0], face[1], face[2]});
+    }
+  REQUIRE(groups.surfaces[0].triangles.size() == 8);
+  write_grouped_mesh(folder.path / "beam.msh", mesh, groups);
+  const Ended kept = lobe_in(folder, "refine beam.msh -o fine.vtu");
+  CHECK(kept.err == "");
+  const MeshFile fine = read_mesh(folder.path / "fine.vtu");
+  REQUIRE(fine.surfaces.size() == 1);
+  CHECK(fine.surfaces[0].name == "held");
+  CHECK(fine.surfaces[0].triangles.size() == 4 * 8);
+  for (const auto& triangle : fine.surfaces[0].triangles)
+    for (const Index v : triangle) CHECK(fine.mesh.points(0, v) == 0);
+  CHECK(fine.label_names == groups.label_names);
+  CHECK(lobe_in(folder, "info fine.vtu").out.find("  surface 11        32 triangles \"held\"\n") !=
+        std::string::npos);
+  CHECK(lobe_in(folder, "convert fine.vtu -o fine.msh2").err == "");
+  CHECK(read_mesh(folder.path / "fine.msh2").surfaces[0].triangles.size() == 4 * 8);
+  CHECK(lobe_in(folder, "convert beam.msh -o a.mesh").err ==
+        "lobe: warning: a.mesh: .mesh holds the numbers of groups and labels, not their names\n");
+  CHECK(
+      lobe_in(folder, "refine beam.msh -o a.vtk").err ==
+      "lobe: warning: a.vtk: the groups of surfaces and the names of labels are left out; .vtu and .msh hold "
+      "them\n");
 }
 
 TEST_CASE("lobe refine warns where arrays are lost, and refuses what it cannot do") {

@@ -1,6 +1,9 @@
 #include "lobe/io/vtk_xml_write.h"
 
+#include <algorithm>
 #include <cmath>
+#include <span>
+#include <string_view>
 
 #include "lobe/error.h"
 #include "lobe/file/atomic_file.h"
@@ -20,19 +23,22 @@ std::vector<Index> whole_numbers(const DataArray& array, const std::string& plac
   return numbers;
 }
 
-void write_tags(std::ostream& out, const std::vector<VtkBlock>& blocks) {
-  std::uint64_t offset = 0;
+// Of blocks of which the first stands at `offset` in the appended data.
+void write_tags(std::ostream& out, std::span<const VtkBlock> blocks, const char* indent,
+                std::uint64_t& offset) {
   std::string open;
   for (const VtkBlock& block : blocks) {
     if (open != block.section) {
-      if (!open.empty()) out << "   </" << open << ">\n";
-      out << "   <" << block.section << ">\n";
+      if (!open.empty()) out << indent << "</" << open << ">\n";
+      out << indent << "<" << block.section << ">\n";
       open = block.section;
     }
-    out << "    <DataArray" << block.attributes << " format=\"appended\" offset=\"" << offset << "\"/>\n";
+    const char* const tag =
+        open == "FieldData" ? " <Array" : " <DataArray";  // VTK's words for strings, numbers
+    out << indent << tag << block.attributes << " format=\"appended\" offset=\"" << offset << "\"/>\n";
     offset += sizeof(std::uint64_t) + block.size;
   }
-  out << "   </" << open << ">\n";
+  if (!open.empty()) out << indent << "</" << open << ">\n";
 }
 
 }  // namespace
@@ -40,6 +46,16 @@ void write_tags(std::ostream& out, const std::vector<VtkBlock>& blocks) {
 std::string vtk_attributes(const std::string& name, const char* type, Eigen::Index components) {
   return " type=\"" + std::string(type) + "\" Name=\"" + xml_escaped(name) + "\" NumberOfComponents=\"" +
          std::to_string(components) + "\"";
+}
+
+VtkBlock vtk_strings(const std::string& name, const std::vector<std::string>& strings) {
+  std::string bytes;
+  for (const std::string& text : strings) bytes.append(text.c_str(), text.size() + 1);
+  const std::size_t size = bytes.size();
+  return {"FieldData",
+          " type=\"String\" Name=\"" + xml_escaped(name) + "\" NumberOfTuples=\"" +
+              std::to_string(strings.size()) + "\"",
+          std::move(bytes), nullptr, size};
 }
 
 VtkBlock vtk_data_block(const char* section, const DataArray& array, Index items, const std::string& place) {
@@ -67,8 +83,14 @@ void write_vtk_xml(const std::filesystem::path& file, const std::string& type, c
   AtomicFile target(file);
   std::ostream& out = target.stream();
   out << "<?xml version=\"1.0\"?>\n<VTKFile type=\"" << type << "\" version=\"1.0\" byte_order=\""
-      << vtk_byte_order << "\" header_type=\"UInt64\">\n <" << type << ">\n  <Piece" << piece << ">\n";
-  write_tags(out, blocks);
+      << vtk_byte_order << "\" header_type=\"UInt64\">\n <" << type << ">\n";
+  const auto is_field = [](const VtkBlock& block) { return std::string_view(block.section) == "FieldData"; };
+  const std::span<const VtkBlock> all(blocks);
+  const auto fields = std::size_t(std::find_if_not(blocks.begin(), blocks.end(), is_field) - blocks.begin());
+  std::uint64_t offset = 0;
+  write_tags(out, all.first(fields), "  ", offset);
+  out << "  <Piece" << piece << ">\n";
+  write_tags(out, all.subspan(fields), "   ", offset);
   out << "  </Piece>\n </" << type << ">\n <AppendedData encoding=\"raw\">\n  _";
   for (const VtkBlock& block : blocks) {
     const std::uint64_t size = block.size;

@@ -13,7 +13,8 @@ inline constexpr const char* vtk_byte_order =
 
 // An array as it goes into the file: its tag, and its bytes.
 struct VtkBlock {
-  const char* section;  // "PointData", "CellData", "Points", "Cells", "Polys"
+  const char*
+      section;  // "FieldData" (before all others), "PointData", "CellData", "Points", "Cells", "Polys"
   std::string attributes;
   std::string owned;  // bytes converted for the file, or
   const void* data;   // bytes as they are in memory
@@ -21,6 +22,9 @@ struct VtkBlock {
 };
 
 std::string vtk_attributes(const std::string& name, const char* type, Eigen::Index components);
+
+// Strings in "FieldData".
+VtkBlock vtk_strings(const std::string& name, const std::vector<std::string>& strings);
 
 template <class T>
 VtkBlock vtk_converted(const char* section, std::string tag, const std::vector<T>& values) {

@@ -81,12 +81,14 @@ void write_tetgen(const Path& either, const TetMesh& mesh, const Groups&) {
 }
 
 // Labels are physical groups, whose numbers are above 0; label 0 belongs to none.
-void refuse_negative_labels(const Path& file, const TetMesh& mesh) {
-  for (const int label : mesh.labels) {
-    if (label < 0)
-      throw InputError(file.string(),
-                       "label " + std::to_string(label) + ": Gmsh's groups are not negative; use .vtu");
-  }
+void refuse_negative_labels(const Path& file, const TetMesh& mesh, const Groups& groups) {
+  const auto check = [&](const char* what, int number) {
+    if (number < 0)
+      throw InputError(file.string(), std::string(what) + std::to_string(number) +
+                                          ": Gmsh's groups are not negative; use .vtu");
+  };
+  for (const int label : mesh.labels) check("label ", label);
+  for (const SurfaceGroup& group : groups.surfaces) check("surface ", group.number);
 }
 
 void write_names(std::ostream& out, const Groups& groups) {
@@ -100,12 +102,13 @@ void write_names(std::ostream& out, const Groups& groups) {
     ++count;
   };
   for (const SurfaceGroup& group : groups.surfaces) add(2, group.number, group.name);
-  for (const auto& [label, name] : groups.label_names) add(3, label, name);
+  for (const auto& [label, name] : groups.label_names)
+    if (label > 0) add(3, label, name);
   if (count > 0) out << "$PhysicalNames\n" << count << '\n' << names.str() << "$EndPhysicalNames\n";
 }
 
 void write_gmsh_2(const Path& file, const TetMesh& mesh, const Groups& groups) {
-  refuse_negative_labels(file, mesh);
+  refuse_negative_labels(file, mesh, groups);
   io::AtomicFile target(file);
   std::ostream& out = target.stream();
   out << "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n";
@@ -146,7 +149,7 @@ void write_entities(std::ostream& out, const TetMesh& mesh, const std::set<int>&
 
 // One block per run of equal labels, which keeps the order.
 void write_gmsh_4(const Path& file, const TetMesh& mesh, const Groups& groups) {
-  refuse_negative_labels(file, mesh);
+  refuse_negative_labels(file, mesh, groups);
   io::AtomicFile target(file);
   std::ostream& out = target.stream();
   std::set<int> labels{label_of(mesh, 0)};
@@ -180,7 +183,9 @@ void write_gmsh_4(const Path& file, const TetMesh& mesh, const Groups& groups) {
   target.commit();
 }
 
-void write_vtu_alone(const Path& file, const TetMesh& mesh, const Groups&) { write_vtu(file, mesh); }
+void write_vtu_alone(const Path& file, const TetMesh& mesh, const Groups& groups) {
+  write_grouped_vtu(file, mesh, groups, {}, {});
+}
 
 const std::map<std::string, void (*)(const Path&, const TetMesh&, const Groups&)> writers = {
     {".vtu", write_vtu_alone}, {".vtk", write_vtk},     {".msh", write_gmsh_4}, {".msh2", write_gmsh_2},
@@ -192,12 +197,12 @@ bool can_write_mesh(const Path& file) { return writers.contains(io::lower_case(f
 
 bool holds_groups(const Path& file) {
   const std::string extension = io::lower_case(file.extension().string());
-  return extension == ".msh" || extension == ".msh2" || extension == ".mesh";
+  return extension == ".vtu" || extension == ".msh" || extension == ".msh2" || extension == ".mesh";
 }
 
 void write_grouped_mesh(const Path& file, const TetMesh& mesh, const Groups& groups) {
   if (!groups.empty() && !holds_groups(file))
-    throw InputError(file.string(), "this format holds no groups: expected .msh, .msh2 or .mesh");
+    throw InputError(file.string(), "this format holds no groups: expected .vtu, .msh, .msh2 or .mesh");
   const auto writer = writers.find(io::lower_case(file.extension().string()));
   if (writer == writers.end())
     throw InputError(file.string(),

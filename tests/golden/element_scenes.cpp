@@ -35,12 +35,31 @@ void add_further_laws(std::vector<GoldenRun>& runs) {
   add_law(runs, "Holzapfel", holzapfel_setup(mesh).materials[0]);
 }
 
+// The box of two materials that relax, one of them in volume too where nothing averages its pressure.
+void add_viscous(std::vector<GoldenRun>& runs) {
+  const auto relaxing = [](Setup setup, double bulk) {
+    setup.materials[0].viscosity = {PronyTerm{0.3, bulk, 0.02}, PronyTerm{0.2, 0, 0.3}};
+    setup.materials[1].viscosity = {PronyTerm{0.4, 0, 0.05}};
+    return setup;
+  };
+  const Setup nonlinear = box_with_blade(RegionModel::nonlinear),
+              corotational = box_with_blade(RegionModel::corotational);
+  add_golden(runs, "viscous, blade", relaxing(nonlinear, 0.2), frames, frame, nothing);
+  add_golden(runs, "viscous, corotational half, nodal pressure, blade", relaxing(averaged(corotational), 0),
+             frames, frame, nothing);
+  add_golden(runs, "viscous, smoothed, corotational half, blade", relaxing(smoothed(corotational), 0.2),
+             frames, frame, nothing);
+  add_golden(runs, "viscous, smoothed, nodal pressure, blade", relaxing(smoothed(averaged(nonlinear)), 0),
+             frames, frame, nothing);
+}
+
 }  // namespace
 
 std::vector<GoldenRun> element_scenes() {
   std::vector<GoldenRun> runs;
   add_smoothed(runs);
   add_further_laws(runs);
+  add_viscous(runs);
   return runs;
 }
 

@@ -30,7 +30,7 @@ struct GoldenRun {
 
 std::vector<GoldenRun> shipped_scenes();  // those of data/scenes
 std::vector<GoldenRun> option_scenes();   // small bodies, one for each option and what goes with it
-std::vector<GoldenRun> element_scenes();  // small bodies of edge-smoothed tetrahedra, and of further laws
+std::vector<GoldenRun> element_scenes();  // small bodies of smoothed tetrahedra, of further laws, that relax
 std::vector<GoldenRun> term_scenes();     // small bodies that are sewn, tied, clipped, blown up
 
 // Of displacements, velocities and time. What the digests of recordings are made by may change; this does

@@ -38,8 +38,8 @@ void take_fibres(VtkData& cell_data, const std::vector<std::size_t>& tets, TetMe
   cell_data.erase(found);
 }
 
-// "11 held" and so on of an <Array> of strings in <FieldData>, by number. Strings end with 0. What is no number
-// with a name is not lobe's, and left alone.
+// "11 held" and so on of an <Array> of strings in <FieldData>, by number. Strings end with 0. What is no
+// number with a name is not lobe's, and left alone.
 std::map<int, std::string> names_in_field_data(const VtkXml& xml, const char* array) {
   const pugi::xml_node node = xml.piece.parent().child("FieldData").find_child_by_attribute("Name", array);
   std::map<int, std::string> names;

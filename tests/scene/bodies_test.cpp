@@ -176,6 +176,12 @@ TEST_CASE("groups of surfaces of the same name are one group of all bodies") {
   const std::vector<TetFace> of_b = select_faces(scene.boundary[1].where, file.mesh, faces);
   REQUIRE(of_b.size() == 1);
   CHECK(of_b[0].tet == 1);
+  save_scene_mesh(file.mesh, folder.path, "saved", scene);  // with the surfaces that the scene selects
+  Scene saved = parse_scene(to_json(scene), folder.path / "saved.json");
+  const MeshFile again = read_scene_mesh(saved);
+  bind_groups(again, saved);
+  CHECK(select_faces(saved.boundary[0].where, again.mesh, faces).size() == 2);
+  CHECK(select_faces(saved.boundary[1].where, again.mesh, faces).size() == 1);
 }
 
 TEST_CASE("a scene of bodies is written and read back, and its mesh is saved body by body") {

@@ -3,6 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "folder.h"
 #include "lobe/error.h"
 #include "lobe/scene/read_scene.h"
 
@@ -52,6 +53,17 @@ TEST_CASE("syntax errors have line and column") {
   CHECK(message("{\"volume_penalty\": 1e999}").ends_with("number overflow parsing '1e999'"));
   CHECK(message("{\"mesh\": \"\xff\"}").find("ill-formed UTF-8") != std::string::npos);
   CHECK(message("{\"mesh\": \"a\nb\"}").find('\n') == std::string::npos);
+}
+
+TEST_CASE("a mesh in place of a scene is told from a scene with a fault") {
+  const test::Folder folder;
+  for (const char* name : {"liver.VTU", "liver.stl", "liver.nii.gz"})
+    CHECK_THROWS_WITH_AS(
+        read_scene(folder.write(name, "solid")),
+        doctest::Contains((std::string("is no scene but a mesh, a surface or an image: lobe scene ") + name +
+                           " writes a scene for it")
+                              .c_str()),
+        InputError);
 }
 
 TEST_CASE("an integer beyond 64 bits signed is a number, not a negative one") {

@@ -96,4 +96,8 @@ TEST_CASE("a blade that cuts nothing, changes its length, leaps or never comes n
                     "mean edges"));
   CHECK(blade_warns(R"("blade": [0, 0.3, 0], "path": [[0, 0.5, -0.1, 0.3], [1, 0.5, -0.1, -0.1]])",
                     "never comes near"));
+  CHECK(!blade_warns(good, "wholly inside"));
+  CHECK(blade_warns(
+      R"("path": [[0, 0.05, 0.05, 0.02, 0.05, 0.05, 0.08], [1, 0.06, 0.05, 0.02, 0.06, 0.05, 0.08]])",
+      "/tools/0/path/0: the blade begins wholly inside the body"));
 }

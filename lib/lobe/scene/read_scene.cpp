@@ -1,10 +1,14 @@
 #include "lobe/scene/read_scene.h"
 
+#include <algorithm>
 #include <fstream>
+#include <iterator>
 #include <nlohmann/json.hpp>
+#include <string_view>
 
 #include "lobe/error.h"
 #include "lobe/fem/law_fault.h"
+#include "lobe/file/scanner.h"
 #include "lobe/scene/check_scene.h"
 #include "lobe/scene/explain.h"
 #include "lobe/scene/json_text.h"
@@ -64,6 +68,15 @@ void read_rest(const json& document, Scene& scene) {
     scene.obstacle_files.push_back(shape_file(obstacle["shape"]));
 }
 
+// What programs take for a body rather than for a scene.
+bool is_body_file(const std::filesystem::path& file) {
+  static constexpr std::string_view extensions[] = {".vtu", ".vtk",  ".msh", ".msh2", ".mesh", ".node",
+                                                    ".ele", ".stl",  ".obj", ".ply",  ".off",  ".vtp",
+                                                    ".nii", ".nrrd", ".gz",  ".nhdr"};
+  const std::string extension = io::lower_case(file.extension().string());
+  return std::ranges::find(extensions, extension) != std::end(extensions);
+}
+
 }  // namespace
 
 void keys::Form<Material>::read(const json& given, Material& material, const std::string& place) {
@@ -102,6 +115,10 @@ Scene read_scene(const std::filesystem::path& file) {
   std::error_code error;
   const auto size = std::filesystem::file_size(file, error);
   if (error) throw InputError(file.string(), "cannot be read: " + error.message());
+  if (is_body_file(file))
+    throw InputError(file.string(), "is no scene but a mesh, a surface or an image: lobe scene " +
+                                        file.filename().string() +
+                                        " writes a scene for it, lobe view shows it");
   if (size > max_json_bytes) {
     throw InputError(file.string(), "longer than " + std::to_string(max_json_bytes >> 20) + " MB");
   }

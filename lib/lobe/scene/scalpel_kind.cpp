@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "lobe/diagnostics/locate.h"
 #include "lobe/scalpel/far_move.h"
 #include "lobe/scene/tool_kinds.h"
 
@@ -58,6 +59,16 @@ bool comes_near(const Tool& tool, const TetMesh& mesh) {
   return (low.array() <= box.max.array()).all() && (high.array() >= box.min.array()).all();
 }
 
+// Whether its first place is inside the body, as long as that lies where it is at rest.
+bool begins_inside(const Tool& tool, const Scene& scene, const TetMesh& mesh) {
+  const bool may_have_moved = scene.gravity != Vec3d::Zero() || scene.tools.size() > 1;
+  if (may_have_moved && tool.path.front().time > 0) return false;
+  const Locator locator(mesh);
+  const Vec3d tip = tool.path.front().position, heel = tool.heels.front();
+  const auto is_inside = [&](const Vec3d& point) { return locator.nearest(point).distance == 0; };
+  return is_inside(tip) && is_inside(heel) && is_inside((tip + heel) / 2);
+}
+
 void resolve_scalpel(Resolution& resolution, const Tool& tool, const std::string& here) {
   for (std::size_t i = 0; i < tool.heels.size(); ++i)
     if (tool.heels[i] == tool.path[i].position)
@@ -75,7 +86,13 @@ void resolve_scalpel(Resolution& resolution, const Tool& tool, const std::string
   if (in_a_frame > far_move * edge)
     warn("the blade goes " + rounded(in_a_frame) + " m in a frame, more than three mean edges of " +
          rounded(edge) + " m: it cuts the tissue where that was at the start of the frame");
-  if (!comes_near(tool, resolution.mesh())) warn("the blade never comes near the mesh");
+  if (!comes_near(tool, resolution.mesh()))
+    warn("the blade never comes near the mesh");
+  else if (begins_inside(tool, resolution.scene, resolution.mesh()))
+    resolution.warn(
+        here + "/path/0",
+        "the blade begins wholly inside the body: what it cuts there is a closed pocket, which opens "
+        "nothing. Begin with the heel outside");
 }
 
 BringTool bring_scalpel(Resolution&, const Tool& tool, const std::string&) {

@@ -4,7 +4,9 @@
 #include <algorithm>
 
 #include "lobe/error.h"
+#include "lobe/io/grouped_mesh.h"
 #include "lobe/mesh/joined_mesh.h"
+#include "lobe/scene/each_selector.h"
 #include "lobe/scene/json_text.h"
 #include "lobe/scene/read_scene.h"
 
@@ -50,6 +52,43 @@ void append_file(MeshFile added, const SceneBody& body, MeshFile& whole) {
   append_body(added.mesh, body.name, whole.mesh);
 }
 
+// Collects what bind_groups() has found for a selector, under its name; several names become one.
+void add_group_of(Selector& selector, std::vector<SurfaceGroup>& groups) {
+  if (auto* parts = parts_of(selector)) {
+    for (Selector& part : *parts) add_group_of(part, groups);
+    return;
+  }
+  auto* surface = std::get_if<SelectSurface>(&selector.value);
+  if (!surface || surface->triangles.empty()) return;
+  std::string name;
+  for (const std::string& one : surface->names) name += (name.empty() ? "" : ", ") + one;
+  surface->names = {name};
+  const auto has_name = [&](const SurfaceGroup& group) { return group.name == name; };
+  if (std::none_of(groups.begin(), groups.end(), has_name))
+    groups.push_back({static_cast<int>(groups.size()) + 1, name, surface->triangles});
+}
+
+std::vector<SurfaceGroup> selected_groups(Scene& scene) {
+  std::vector<SurfaceGroup> groups;
+  for_each_selector(scene, [&](Selector& selector, bool) { add_group_of(selector, groups); });
+  return groups;
+}
+
+// The part of groups that is on vertices from `first` on, which then have the numbers of a body's own mesh.
+Groups groups_from(const std::vector<SurfaceGroup>& groups, Index first, Index count) {
+  Groups own;
+  for (const SurfaceGroup& group : groups) {
+    SurfaceGroup part{group.number, group.name, {}};
+    for (std::array<Index, 3> triangle : group.triangles) {
+      for (Index& v : triangle) v -= first;
+      const auto is_own = [&](Index v) { return v >= 0 && v < count; };
+      if (std::all_of(triangle.begin(), triangle.end(), is_own)) part.triangles.push_back(triangle);
+    }
+    if (!part.triangles.empty()) own.surfaces.push_back(std::move(part));
+  }
+  return own;
+}
+
 }  // namespace
 
 MeshFile read_scene_mesh(const Scene& scene) {
@@ -83,14 +122,18 @@ void replace_mesh(const std::filesystem::path& mesh, Scene& scene) {
 
 void save_scene_mesh(const TetMesh& mesh, const std::filesystem::path& folder, const std::string& stem,
                      Scene& scene) {
+  const std::vector<SurfaceGroup> groups = selected_groups(scene);
   if (scene.bodies.empty()) {
     scene.mesh = stem + ".vtu";
     scene.mesh_scale = 1;
-    return write_vtu(folder / scene.mesh, mesh);
+    return write_grouped_vtu(folder / scene.mesh, mesh, {groups, {}}, {}, {});
   }
+  Index first = 0;
   for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
     const SceneBody placed{scene.bodies[i].name, stem + "_" + std::to_string(i + 1) + ".vtu"};
-    write_vtu(folder / placed.mesh, mesh_of_body(mesh, int(i)));
+    const TetMesh part = mesh_of_body(mesh, int(i));
+    write_grouped_vtu(folder / placed.mesh, part, groups_from(groups, first, part.vertex_count()), {}, {});
+    first += part.vertex_count();
     scene.bodies[i] = placed;
   }
 }

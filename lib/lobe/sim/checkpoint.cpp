@@ -100,7 +100,9 @@ void check_fits(const Checkpoint<Real>& c, const Organ<Real>& organ) {
          "sleeping vertices");
   expect(c.ratios.of_vertex.size() == std::size_t(vertices), "frequencies of other vertices");
   expect(organ.body().regions.fits(c.nodes, organ.elements()), "nodes of regions");
-  expect(c.dashpots.size() == organ.body().regions.dashpots().size(), "dashpots of viscous tetrahedra");
+  expect(c.dashpots.size() == organ.body().regions.dashpots().size() &&
+             std::all_of(c.dashpots.begin(), c.dashpots.end(), [](Real A) { return std::isfinite(A); }),
+         "dashpots of viscous tetrahedra");
   check_own_terms(c, organ);
   for (Index t : c.unravelling.tets) expect(t >= 0 && std::size_t(t) < tets, "crushed tetrahedra");
   check_held(c, vertices);

@@ -266,6 +266,7 @@ void World<Real>::advance_to(double end, Report& report) {
       organ_.grant({Moment::steps_begin, {}, unseen});
       organ_.show_body();
       start = body().motion;
+      body().regions.keep_dashpots();
       limit_after = std::min(limit_after, organ_.limit().for_frame(body()));
     }
     const double wanted_now = std::min<double>(duration / (organ_.setup().safety * limit_after), most_steps);

@@ -78,6 +78,8 @@ TEST_CASE("a series of a scene is read, written as the same one, resolved and to
   REQUIRE(series.size() == 2);
   CHECK(series[0] == PronyTerm{0.3, 0.1, 0.05});
   CHECK(series[1] == PronyTerm{0.2, 0, 1.5});
+  check_has(describe(scene, made),
+            "relaxing in 0.05, 1.5 s, in shear at once 2 times as stiff, in bulk at once 1.1");
   CHECK(to_json(parse_scene(R"({"mesh": "a.vtu"})")).find("viscosity") == std::string::npos);
 }
 

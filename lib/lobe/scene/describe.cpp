@@ -2,8 +2,10 @@
 
 #include <nlohmann/json.hpp>
 #include <sstream>
+#include <utility>
 
 #include "lobe/scene/pace_text.h"
+#include "lobe/scene/resolve_parts.h"
 #include "lobe/scene/summary.h"
 #include "lobe/text.h"
 
@@ -57,15 +59,18 @@ void print_fibre(std::ostream& out, const ordered_json& fibre) {
 }
 
 void print_viscosity(std::ostream& out, const ordered_json& material) {
-  double relaxing = 0;
-  for (const ordered_json& term : material["viscosity"]) relaxing += term["shear"].get<double>();
+  double shear = 0, bulk = 0;  // shares that relax
   out << ", relaxing in";
   const char* between = " ";
   for (const ordered_json& term : material["viscosity"]) {
     out << between << rounded(term["time_s"]);
     between = ", ";
+    shear += term["shear"].get<double>();
+    bulk += term["bulk"].get<double>();
   }
-  out << " s, in shear at once " << rounded(1 / (1 - relaxing)) << " times as stiff";
+  out << " s";
+  for (const auto& [what, share] : {std::pair("shear", shear), std::pair("bulk", bulk)})
+    if (share > 0) out << ", in " << what << " at once " << rounded(1 / (1 - share)) << " times as stiff";
 }
 
 void print_materials(std::ostream& out, const ordered_json& materials) {

@@ -72,6 +72,7 @@ ordered_json summarise_materials(const Scene& scene, const Setup& setup) {
   ordered_json list = ordered_json::array();
   for (std::size_t i = 0; i < setup.materials.size(); ++i) {
     const Elastic& m = setup.materials[i];
+    const Elastic sudden = m.at_once();
     ordered_json& entry =
         list.emplace_back(ordered_json{{"name", scene.materials[i].name},
                                        {"tetrahedra", counts[i]},
@@ -79,7 +80,7 @@ ordered_json summarise_materials(const Scene& scene, const Setup& setup) {
                                        {"poisson_ratio", poisson_ratio(m.lambda, m.mu)},
                                        {"density_kg_m3", m.density},
                                        {"nodal_pressure", m.nodal_pressure},
-                                       {"wave_speed_m_s", wave_speed(m.lambda, m.mu, m.density)},
+                                       {"wave_speed_m_s", wave_speed(sudden.lambda, sudden.mu, m.density)},
                                        {"expected_sag_m", expected_sag(m, g, box_diagonal(setup.mesh))}});
     if (m.fracture_energy > 0) entry["fracture_energy_J_m2"] = m.fracture_energy;
     if (m.law != MaterialLaw::svk) entry["law"] = law_rows[std::size_t(m.law)].name;

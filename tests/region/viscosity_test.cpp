@@ -15,6 +15,7 @@
 #include "lobe/fem/svk.h"
 #include "lobe/region/corotational.h"
 #include "lobe/region/nonlinear.h"
+#include "lobe/sort_unique.h"
 #include "near.h"
 #include "support.h"
 
@@ -345,5 +346,37 @@ TEST_CASE("what is put to rest in its strain has the slow forces, and keeps them
     viscous.relax(u);
     for (int n = 0; n < 3; ++n)
       CHECK((viscous.forces(u, {0.01, 0.01, true}) - expected).norm() < 1e-11 * expected.norm());
+  }
+}
+
+// Kernels go on with these lanes: what was left in them would fall to the smallest numbers, which are slow.
+TEST_CASE("a lane that a tetrahedron or a domain has left has no strain of dashpots") {
+  Setup setup = setup_of(irregular_box(3));
+  setup.materials[0].viscosity = {fast, slow};
+  for (const Setup& each : {setup, smoothed(setup)}) {
+    Elements elements(each);
+    NonlinearRegion<float> region;
+    region.follow(elements, all_of(each));
+    const auto u = random_displacement<float>(each.mesh.vertex_count(), 1e-3);
+    region.visit_viscous([&](auto& patches) { patches.relax(elements, u, true); });
+    const MeshEdit cut = elements.topology.remove(std::vector<Index>{0, 1, 2, 50, 51});
+    elements.follow(cut);
+    RegionEdit edit;
+    for (const VertexSplit& split : cut.splits)
+      edit.entered.insert(edit.entered.end(), split.tets.begin(), split.tets.end());
+    sort_unique(edit.entered);
+    edit.left = cut.removed;
+    edit.left.insert(edit.left.end(), edit.entered.begin(), edit.entered.end());
+    region.follow(elements, edit);
+    Index lanes = 0;
+    region.visit_viscous([&](auto& patches) {
+      const Viscosity<float>& viscosity = patches.viscosity();
+      patches.visit_patches([&](const auto& layout, const auto&) {
+        for (Index p = 0; p < layout.patch_count(); ++p)
+          for (Index i = layout.patch(p).items; viscosity.has(p) && i % viscosity.width != 0; ++i, ++lanes)
+            CHECK(viscosity.strains(p, i) == Viscosity<float>::Strains{});
+      });
+    });
+    CHECK(lanes > 0);
   }
 }

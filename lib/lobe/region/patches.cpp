@@ -116,6 +116,9 @@ void Patches<Real>::clear(Index slot) {
   block.V[lane] = 0;
   for (auto& row : block.corners) row[lane] = 0;
   for (int i = 0; i < 3 && fibres_; ++i) fibre_blocks_[slot / width].direction[i][lane] = 0;
+  // Kernels go on with it: what is left there would fall for ever, to the slow smallest numbers.
+  if (const Index p = slot / Layout::capacity; viscosity_.has(p))
+    viscosity_.set(p, slot % Layout::capacity, typename Viscosity<Real>::Strains{});
   if (!nodal_pressure_) return;
   for (auto& row : pressure_blocks_[slot / width].nodes) row[lane] = PressureNodes::none;
 }

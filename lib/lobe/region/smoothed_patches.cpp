@@ -380,6 +380,8 @@ void SmoothedPatches<Real>::take_histories(Index p, const Histories& histories) 
     viscosity_.set(p, static_cast<Index>(i), has_history ? known->second : no_strains);
     if (!has_history) without_history_.push_back(edges[i]);
   }
+  for (std::size_t i = edges.size(); i < patches_[p].blocks.size() * Block::width; ++i)  // as in Patches
+    viscosity_.set(p, static_cast<Index>(i), no_strains);
 }
 
 // visit(domain, patch, its lane), by the numbers of domains.

@@ -10,7 +10,8 @@ check(
   'nothing was done: there is no mark, and nothing to undo',
 );
 
-// A pull, then two cuts, each with some time after it.
+// A pull, then two cuts, each with some time after it. Between which times each began: on a busy machine the
+// simulation hears of it some seconds later.
 const at = await grip(page);
 const act = async (key, x, dy) => {
   await page.keyboard.press(key);
@@ -20,7 +21,7 @@ const act = async (key, x, dy) => {
   await page.mouse.up();
   const ended = await page.evaluate(() => lobe.status.time);
   await until(page, time => lobe.status.time > time + 1.2 && lobe.instruments.shown.size === 0, ended);
-  return before;
+  return {from: before, to: await page.evaluate(() => lobe.history.acts.at(-1).time)};
 };
 const pulled = await act('g', at.x, -40);
 const first = await act('x', at.x - 220, 60);
@@ -33,12 +34,12 @@ await shot('marks');
 
 // Slowly, so that the page sees a time soon after it, however busy the machine is.
 await page.evaluate(() => lobe.ask({do: 'speed', factor: 0.1}));
-const wentBackBefore = async (time, words) => {
-  const isBack = await until(page, time => lobe.status.time < time + 0.6 && lobe.history.wanted === null, time);
+const wentBackBefore = async ({from, to}, words) => {
+  const isBack = await until(page, to => lobe.status.time < to + 0.6 && lobe.history.wanted === null, to);
   const found = await page.evaluate(() => [lobe.status.time, lobe.organ.cutCount]);
   check(
-    isBack && found[0] >= time,
-    `${words}: at ${found[0].toFixed(2)} s it is where it was at ${time.toFixed(2)} s, no earlier`,
+    isBack && found[0] >= from,
+    `${words}: at ${found[0].toFixed(2)} s it is where it was between ${from.toFixed(2)} and ${to.toFixed(2)} s`,
   );
   return found[1];
 };

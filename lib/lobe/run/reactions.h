@@ -1,20 +1,14 @@
-// The forces with which boundary conditions hold a body. Private to this folder.
+// The forces with which boundary conditions hold a body, as reports have them. Private to this folder.
 #pragma once
 
 #include <nlohmann/json.hpp>
 
-#include "lobe/scene/resolve.h"
-#include "lobe/sim/world.h"
+#include "lobe/scene/held_forces.h"
 
 namespace lobe {
 
-// Of the boundary conditions and grasps of a world now: 3 × #vertices [N], acting on the body; 0 in
-// components that nothing holds. Costs one evaluation of the forces.
-template <class Real>
-Mat3X<double> reactions_of(World<Real>& world);
-
-// The sum over what each entry of the boundary holds: {"entry": "/boundary/0", "force": [x, y, z]} [N] each.
-// `reactions`: 3 × #vertices [N]; copies that cuts made belong to the entry of the vertex that was split.
+// The force on the body of each entry of the boundary: {"entry": "/boundary/0", "force": [x, y, z]} [N].
+// `reactions`: 3 × #vertices [N].
 nlohmann::ordered_json reactions_json(const std::vector<HeldEntry>& entries, const Elements& elements,
                                       const Mat3X<double>& reactions);
 

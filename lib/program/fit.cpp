@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <iostream>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "commands.h"
 #include "console.h"
@@ -13,6 +14,7 @@
 #include "lobe/io/mesh_io.h"
 #include "lobe/scene/bind_groups.h"
 #include "lobe/scene/default_element.h"
+#include "lobe/scene/frames.h"
 #include "lobe/scene/read_scene.h"
 #include "lobe/scene/resolve.h"
 #include "lobe/scene/scene_mesh.h"
@@ -34,6 +36,23 @@ Resolved load(const Scene& scene, Scene& bound) {
   return resolved;
 }
 
+void refuse_late_times(const Observations& observed, const Time& time, const std::string& file) {
+  const std::vector<double> times = observed.times();
+  if (!times.empty() && times.back() > time.duration * (1 + 1e-9))
+    throw InputError(file, "has a number at " + rounded(times.back()) + " s, but the scene ends after " +
+                               rounded(time.duration) + " s");
+}
+
+void warn_of_what_equilibria_leave_out(const Scene& scene) {
+  for (const auto& [any, what] :
+       {std::pair(!scene.tools.empty(), "tools are"), std::pair(!scene.threads.empty(), "threads are"),
+        std::pair(!scene.attachments.empty(), "attachments are"),
+        std::pair(scene.contact.is_on(), "contact is")})
+    if (any)
+      print_warnings(
+          {std::string(what) + " left out of an equilibrium; a table with times is of the motion"});
+}
+
 std::vector<FitCase> load_cases(const FitCommand& command, std::vector<Scene>& scenes) {
   if (command.data.size() != command.scenes.size())
     throw InputError("--to", "needs one table for each scene: there are " +
@@ -46,8 +65,11 @@ std::vector<FitCase> load_cases(const FitCommand& command, std::vector<Scene>& s
     Scene bound;
     Resolved resolved = load(scenes.back(), bound);
     Observations observed(resolved, std::move(measured), command.data[i].string());
-    cases.push_back(
-        {std::move(resolved.setup), std::move(observed), find_parameters(scenes.back(), command.parameters)});
+    if (observed.times().empty()) warn_of_what_equilibria_leave_out(scenes.back());
+    refuse_late_times(observed, scenes.back().time, command.data[i].string());
+    cases.push_back({std::move(resolved.setup), std::move(observed),
+                     find_parameters(scenes.back(), command.parameters),
+                     frames_of(scenes.back().time).length});
   }
   return cases;
 }
@@ -99,8 +121,7 @@ void write_fitted(const FitCommand& command, Scene scene, const FitResult& found
   std::vector<Material> named;
   for (const Material& material : scene.materials) named.push_back(with_default_element(scene, material));
   scene.materials = std::move(named);
-  for (std::size_t j = 0; j < parameters.size(); ++j)
-    set(parameters[j], found.parameters[j].value, scene.materials[parameters[j].material]);
+  for (std::size_t j = 0; j < parameters.size(); ++j) set(parameters[j], found.parameters[j].value, scene);
   io::write_file(command.output, to_json(with_absolute_paths(std::move(scene))) + '\n');
 }
 

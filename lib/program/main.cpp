@@ -215,11 +215,14 @@ void add_fit(CLI::App& app, FitCommand& fit_command, Action& action) {
   CLI::App* command =
       app.add_subcommand("fit", "Parameters of materials from measured displacements, forces, frequencies");
   command->add_option("SCENE", fit_command.scenes, "scene file; several for several loads")->required();
-  command->add_option("--to", fit_command.data, "table of measurements (.csv), one for each scene")
+  command
+      ->add_option("--to", fit_command.data,
+                   "table of measurements (.csv), one for each scene; with times it is of its motion")
       ->required();
   command
       ->add_option("--parameters", fit_command.parameters,
-                   "what is searched: MATERIAL.young_modulus, .poisson_ratio, .density, .stiffness, …")
+                   "what is searched: MATERIAL.young_modulus, .poisson_ratio, .density, .stiffness, "
+                   ".prony_shear_1, .prony_time_1, attachments.NAME.stiffness, damping, …")
       ->delimiter(',')
       ->capture_default_str();
   command->add_option("-o,--output", fit_command.output, "scene to write with what was found (.json)");

@@ -91,7 +91,7 @@ def _table_file(data, folder, number):
     if isinstance(data, (str, os.PathLike)):
         return pathlib.Path(data)
     file = folder / f"data_{number}.csv"
-    columns = ["quantity", "at", "component", "value", "unit", "sigma"]
+    columns = ["quantity", "at", "component", "value", "unit", "sigma", "time"]
     with open(file, "w", newline="", encoding="utf-8") as out:
         writer = csv.DictWriter(out, columns, restval="")
         writer.writeheader()
@@ -106,12 +106,12 @@ def _table_file(data, folder, number):
 
 
 def fit(scene, data, *, parameters=("young_modulus",)):
-    """Finds parameters of materials from measurements in static equilibrium, as `lobe fit` does.
+    """Finds parameters of materials and attachments from measurements at rest or in motion, as `lobe fit` does.
 
     scene: a Scene or a file; or a list of them, one for each load. data: for each scene a file (.csv), or a list of
     dicts with the keys quantity ("displacement", "force", "frequency"), at (the point at rest [m], the number of the
-    entry of "boundary", the number of the frequency), component ("x", "y", "z", "length"), value, unit and, if known,
-    sigma. parameters: their names, "liver.young_modulus" where there are several materials.
+    entry of "boundary" or the name of a tool, the number of the frequency), component ("x", "y", "z", "length"), value,
+    unit, if known sigma, and in motion time [s]. parameters: their names, "liver.young_modulus" where there are several materials.
 
     Returns the dict that `lobe fit --json` prints: "ok", "parameters" (each with "name", "start", "value", "low",
     "high", "identifiable"), "misfit", "notes" and others.

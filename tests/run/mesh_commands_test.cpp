@@ -189,3 +189,34 @@ TEST_CASE("lobe fit finds the modulus that a solution has, and lobe sensitivity 
   CHECK(read_mesh(folder.path / "shares.vtu").cell_data.contains("weight"));
   CHECK(lobe_in(folder, "sensitivity scene.json --picture a.png").status == 2);
 }
+
+TEST_CASE("lobe fit finds the modulus of a motion from the forces that lobe run reports") {
+  const Folder folder;
+  Json scene = small_scene();
+  scene["regions"] = Json::array();
+  scene["tools"].erase(1);
+  scene["tools"][0]["name"] = "forceps";
+  write_scene_files(folder, scene);
+  REQUIRE(lobe_in(folder, "run scene.json -o truth").status == 0);
+  std::string data = "quantity,at,component,time,value,unit\n", late = data + "force,forceps,z,9,1,N\n";
+  const Json report = report_in(folder.path / "truth");
+  for (std::size_t i = 1; i < report["series"].size(); i += 3) {
+    const Json& state = report["series"][i];
+    const std::string time = exact(state["time"]);
+    data += "force,forceps,z," + time + ',' + exact(state["tools"][0]["force"][2]) + ",N\n";
+    data += "force,0,z," + time + ',' + exact(state["reactions"][0]["force"][2]) + ",N\n";
+  }
+  folder.write("data.csv", data);
+  folder.write("late.csv", late);
+  const double lambda = scene["materials"][0]["lame_lambda"], mu = scene["materials"][0]["lame_mu"];
+  scene["materials"][0]["lame_lambda"] = 1.4 * lambda;
+  scene["materials"][0]["lame_mu"] = 1.4 * mu;
+  folder.write("guess.json", scene.dump(1));
+  const Ended fitted = lobe_in(folder, "fit guess.json --to data.csv --json");
+  REQUIRE_MESSAGE(fitted.status == 0, fitted.err);
+  CHECK(Json::parse(fitted.out)["parameters"][0]["value"].get<double>() ==
+        near(young_modulus(lambda, mu), 2e-3));
+  const Ended refused = lobe_in(folder, "fit guess.json --to late.csv");
+  CHECK(refused.status == 2);
+  CHECK(refused.err.find("the scene ends after 0.3 s") != std::string::npos);
+}

@@ -10,6 +10,7 @@
 #include <optional>
 
 #include "lobe/error.h"
+#include "lobe/fit/motion.h"
 #include "lobe/solve/modes.h"
 #include "lobe/text.h"
 
@@ -18,10 +19,12 @@ namespace {
 
 constexpr double force_step = 1e-4;      // on the scale of a parameter, of differences of forces
 constexpr double frequency_step = 1e-3;  // of differences of frequencies
+constexpr double motion_step = 1e-2;     // of differences of motions, far above what one more time step does
 constexpr double longest_step = 1;       // of the search
 constexpr double least_gain = 1e-6;      // of a step on the square of the misfit, relative
 constexpr double least_seen = 1e-6;      // relative change of all measurements that a factor e must cause
-constexpr double large_part = 0.3;       // of a direction that the measurements do not tell
+constexpr double least_seen_in_motion = 1e-4;  // the same, above what one more time step does
+constexpr double large_part = 0.3;             // of a direction that the measurements do not tell
 
 // Student's t at 97.5 % (M. Abramowitz, I. A. Stegun, 26.7.5 from 11 degrees of freedom on).
 double student(Eigen::Index freedom) {
@@ -32,11 +35,13 @@ double student(Eigen::Index freedom) {
   return z + (z3 + z) / (4 * n) + (5 * z5 + 16 * z3 + 3 * z) / (96 * n * n);
 }
 
-// The equilibrium of one case.
+// The equilibrium of one case; empty if it is in motion.
 struct Solved {
   Mat3X<double> u, reactions;
   Eigen::VectorXd omega;
 };
+
+bool is_in_motion(const FitCase& one) { return !one.observed.times().empty(); }
 
 struct Point {
   Eigen::VectorXd x;  // on the scales of the parameters
@@ -49,6 +54,9 @@ class Search {
  public:
   Search(const std::vector<FitCase>& cases, const FitOptions& options) : cases_(cases), options_(options) {
     find_weights();
+    const bool any_motion = std::any_of(cases.begin(), cases.end(), is_in_motion);
+    tolerance_ = any_motion ? options.tolerance_in_motion : options.tolerance;
+    least_seen_ = any_motion ? least_seen_in_motion : least_seen;
     if (measured_.size() < parameters())
       throw InputError("fit", rounded(double(parameters())) + " parameters cannot be found from " +
                                   rounded(double(measured_.size())) + " measurement(s)");
@@ -64,9 +72,12 @@ class Search {
   void find_weights();
   Setup setup_of(const FitCase& one, const Eigen::VectorXd& x) const;
   std::optional<Point> evaluate(const Eigen::VectorXd& x, const Point* near, std::string& reason) const;
+  std::optional<Eigen::VectorXd> values(const FitCase& one, const Setup& setup, const Mat3X<double>* start,
+                                        Solved& solved, std::string& reason) const;
   Eigen::VectorXd frequencies(const FitCase& one, const Setup& setup, const Mat3X<double>& u) const;
   Eigen::MatrixXd slopes(const Point& at) const;
   Eigen::MatrixXd slopes(const FitCase& one, const Eigen::VectorXd& x, const Solved& solved) const;
+  Eigen::MatrixXd slopes_in_motion(const FitCase& one, const Eigen::VectorXd& x) const;
   bool is_least(const Point& at, const Eigen::MatrixXd& slopes) const;
   bool improve(Point& at, FitResult& result);
   void judge(const Point& at, FitResult& result) const;
@@ -76,6 +87,7 @@ class Search {
   const FitOptions& options_;
   Eigen::VectorXd measured_, weights_;
   bool knows_sigma_ = false;
+  double tolerance_ = 0, least_seen_ = 0;
   double damping_ = 1e-3;
 };
 
@@ -106,9 +118,10 @@ void Search::find_weights() {
 Setup Search::setup_of(const FitCase& one, const Eigen::VectorXd& x) const {
   Setup setup = one.setup;
   for (std::size_t j = 0; j < one.parameters.size(); ++j) {
-    const Parameter &first = cases_[0].parameters[j], &own = one.parameters[j];
-    set(own, first.from_scale(x[Eigen::Index(j)]), cases_[0].setup.materials[first.material],
-        setup.materials[own.material]);
+    const Parameter& first = cases_[0].parameters[j];
+    Parameter own = one.parameters[j];
+    own.at_start = first.at_start;
+    set(own, first.from_scale(x[Eigen::Index(j)]), setup);
   }
   return setup;
 }
@@ -118,29 +131,38 @@ Eigen::VectorXd Search::frequencies(const FitCase& one, const Setup& setup, cons
   return count > 0 ? lowest_frequencies(setup, u, count, options_.statics.factor) : Eigen::VectorXd();
 }
 
-// Nothing if a case has no equilibrium.
+// What the case shows; nothing if it has no equilibrium, or cannot be played.
+std::optional<Eigen::VectorXd> Search::values(const FitCase& one, const Setup& setup,
+                                              const Mat3X<double>* start, Solved& solved,
+                                              std::string& reason) const {
+  if (is_in_motion(one)) return values_in_motion(setup, one.observed, one.frame, reason);
+  StaticOptions statics = options_.statics;
+  statics.start = start;
+  StaticResult found = solve_static(setup, statics);
+  reason = found.reason;
+  if (!found.converged) return {};
+  solved = {std::move(found.u), std::move(found.reactions), {}};
+  solved.omega = frequencies(one, setup, solved.u);
+  return one.observed.values(solved.u, solved.reactions, solved.omega);
+}
+
+// Nothing if a case cannot be computed.
 std::optional<Point> Search::evaluate(const Eigen::VectorXd& x, const Point* near,
                                       std::string& reason) const {
   Point at{.x = x, .residual = measured_};
   Eigen::Index row = 0;
   for (std::size_t c = 0; c < cases_.size(); ++c) {
-    const FitCase& one = cases_[c];
-    const Setup setup = setup_of(one, x);
-    StaticOptions statics = options_.statics;
-    if (near) statics.start = &near->solved[c].u;
     Solved solved;
     try {
-      StaticResult found = solve_static(setup, statics);
-      reason = found.reason;
-      if (!found.converged) return {};
-      solved = {std::move(found.u), std::move(found.reactions), {}};
-      solved.omega = frequencies(one, setup, solved.u);
+      const Mat3X<double>* start = near && !is_in_motion(cases_[c]) ? &near->solved[c].u : nullptr;
+      auto found = values(cases_[c], setup_of(cases_[c], x), start, solved, reason);
+      if (!found) return {};
+      at.values.push_back(*std::move(found));
     } catch (const InputError& error) {  // beyond the range of a parameter, or not stable
       if (!near) throw;
       reason = error.what();
       return {};
     }
-    at.values.push_back(one.observed.values(solved.u, solved.reactions, solved.omega));
     at.solved.push_back(std::move(solved));
     at.residual.segment(row, at.values.back().size()) -= at.values.back();
     row += at.values.back().size();
@@ -149,7 +171,25 @@ std::optional<Point> Search::evaluate(const Eigen::VectorXd& x, const Point* nea
   return at;
 }
 
+Eigen::MatrixXd Search::slopes_in_motion(const FitCase& one, const Eigen::VectorXd& x) const {
+  Eigen::MatrixXd J(Eigen::Index(one.observed.measurements().size()), parameters());
+  const auto beside = [&](Eigen::Index j, double step) {
+    Eigen::VectorXd there = x;
+    there[j] += step;
+    std::string trouble;
+    auto found = values_in_motion(setup_of(one, there), one.observed, one.frame, trouble);
+    if (!found)
+      throw InputError(cases_[0].parameters[std::size_t(j)].name,
+                       "a small change of it makes a motion that cannot be computed: " + trouble);
+    return *std::move(found);
+  };
+  for (Eigen::Index j = 0; j < J.cols(); ++j)
+    J.col(j) = (beside(j, motion_step) - beside(j, -motion_step)) / (2 * motion_step);
+  return J;
+}
+
 Eigen::MatrixXd Search::slopes(const FitCase& one, const Eigen::VectorXd& x, const Solved& solved) const {
+  if (is_in_motion(one)) return slopes_in_motion(one, x);
   Eigen::MatrixXd J(Eigen::Index(one.observed.measurements().size()), parameters());
   const StaticSensitivity sensitivity(setup_of(one, x), solved.u, options_.statics.factor);
   for (Eigen::Index j = 0; j < J.cols(); ++j) {
@@ -187,10 +227,10 @@ Eigen::MatrixXd Search::slopes(const Point& at) const {
 bool Search::is_least(const Point& at, const Eigen::MatrixXd& J) const {
   const Eigen::VectorXd slope = J.transpose() * at.residual;
   Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> seen;
-  seen.setThreshold(least_seen);  // leaves out what the measurements do not tell
+  seen.setThreshold(least_seen_);  // leaves out what the measurements do not tell
   seen.compute(J);
   const Eigen::VectorXd step = seen.solve(at.residual);
-  return step.cwiseAbs().maxCoeff() <= options_.tolerance ||
+  return step.cwiseAbs().maxCoeff() <= tolerance_ ||
          slope.dot(step) <= least_gain * at.residual.squaredNorm();
 }
 
@@ -203,11 +243,11 @@ bool Search::improve(Point& at, FitResult& result) {
   for (; damping_ < 1e12; damping_ *= 10) {
     Eigen::MatrixXd damped = square;
     for (Eigen::Index j = 0; j < square.cols(); ++j)
-      damped(j, j) += damping_ * std::max(square(j, j), least_seen * size);
+      damped(j, j) += damping_ * std::max(square(j, j), least_seen_ * size);
     Eigen::VectorXd step = damped.ldlt().solve(J.transpose() * at.residual);
     if (const double length = step.cwiseAbs().maxCoeff(); length > longest_step)
       step *= longest_step / length;
-    if (step.cwiseAbs().maxCoeff() <= options_.tolerance) {
+    if (step.cwiseAbs().maxCoeff() <= tolerance_) {
       result.converged = !any_lost && is_least(at, J);
       if (!result.converged) break;
       return false;
@@ -246,7 +286,7 @@ void Search::judge(const Point& at, FitResult& result) const {
   const double quantile = knows_sigma_ ? 1.959964 : freedom > 0 ? student(freedom) : 0;
   const Eigen::JacobiSVD<Eigen::MatrixXd> svd(slopes(at), Eigen::ComputeThinU | Eigen::ComputeThinV);
   const double least =
-      std::max(quantile * noise, least_seen * (measured_.array() / weights_.array()).matrix().norm());
+      std::max(quantile * noise, least_seen_ * (measured_.array() / weights_.array()).matrix().norm());
   for (std::size_t j = 0; j < cases_[0].parameters.size(); ++j) {
     const Parameter& parameter = cases_[0].parameters[j];
     result.parameters.push_back({.name = parameter.name,
@@ -258,7 +298,7 @@ void Search::judge(const Point& at, FitResult& result) const {
     const Eigen::VectorXd direction = svd.matrixV().col(k);
     const double seen = svd.singularValues()[k];
     if (seen <= least) note(direction, result);
-    variance += (direction * (noise / std::max(seen, least_seen * least))).cwiseAbs2();
+    variance += (direction * (noise / std::max(seen, least_seen_ * least))).cwiseAbs2();
   }
   for (std::size_t j = 0; j < result.parameters.size(); ++j) {
     FittedParameter& found = result.parameters[j];
@@ -284,7 +324,7 @@ FitResult Search::run() {
   }
   std::string reason;
   std::optional<Point> at = evaluate(x, nullptr, reason);
-  if (!at) throw InputError("fit", "the scene as it is has no equilibrium to start from: " + reason);
+  if (!at) throw InputError("fit", "the scene as it is cannot be computed, to start from: " + reason);
   result.misfit_at_start = misfit(*at);
   for (; result.iterations < options_.most_iterations; ++result.iterations) {
     if (options_.progress) options_.progress(result.iterations, misfit(*at));

@@ -1,5 +1,6 @@
 #include "lobe/fit/measurements.h"
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
@@ -11,9 +12,9 @@
 namespace lobe {
 namespace {
 
-enum Column { quantity, at, component, value, unit, sigma, columns };
-constexpr std::array<std::string_view, columns> column_names{"quantity", "at",   "component",
-                                                             "value",    "unit", "sigma"};
+enum Column { quantity, at, component, value, unit, sigma, time, columns };
+constexpr std::array<std::string_view, columns> column_names{"quantity", "at",    "component", "value",
+                                                             "unit",     "sigma", "time"};
 
 struct Unit {
   Quantity quantity;
@@ -77,7 +78,7 @@ class Reader {
     for (int column = 0; column < sigma; ++column)
       if (place_[column] < 0)
         fail(number, "the first line has no column \"" + std::string(column_names[column]) + "\"; it needs " +
-                         list(column_names) + " (sigma may be left out)");
+                         list(column_names) + " (sigma and time may be left out)");
     return faults_.empty();
   }
 
@@ -106,6 +107,7 @@ class Reader {
       found.sigma = factor * read_number(cell(sigma), "sigma");
       if (found.sigma <= 0) fail(number, "sigma must be positive; leave it out where it is not known");
     }
+    if (!cell(time).empty()) read_time(found);
     if (faults_.size() > faults) return {};
     return found;
   }
@@ -134,13 +136,30 @@ class Reader {
       for (int axis = 0; axis < 3; ++axis) found.point[axis] = read_number(words[std::size_t(axis)], "at");
       return;
     }
+    if (found.quantity == Quantity::force && is_name(cell(at))) {
+      found.tool = cell(at);
+      return;
+    }
     const int lowest = found.quantity == Quantity::frequency ? 1 : 0;
     const double number = read_number(cell(at), "at");
     if (number != std::floor(number) || number < lowest || number > 1000)
       return fail(line_, found.quantity == Quantity::frequency
                              ? "\"at\" of a frequency must be its number, 1 for the lowest"
-                             : "\"at\" of a force must be the number of an entry of \"boundary\", from 0");
+                             : "\"at\" of a force must be the number of an entry of \"boundary\", from "
+                               "0, or the name of a tool");
     found.number = int(number);
+  }
+
+  static bool is_name(std::string_view text) {
+    double number = 0;
+    return std::from_chars(text.data(), text.data() + text.size(), number).ptr != text.data() + text.size();
+  }
+
+  void read_time(Measurement& found) {
+    found.time = read_number(cell(time), "time");
+    if (*found.time < 0) fail(line_, "time must be at least 0, when the scene begins");
+    if (found.quantity == Quantity::frequency)
+      fail(line_, "a frequency has no time: it is of small motions about the equilibrium");
   }
 
   void read_component(Measurement& found) {
@@ -195,10 +214,13 @@ std::vector<Measurement> parse_measurements(std::string_view text, const std::st
     }
   }
   if (faults.empty() && found.empty()) faults.push_back({file, "has no measurement"});
-  std::size_t told = 0;
-  for (const Measurement& m : found) told += m.sigma > 0;
-  if (faults.empty() && told > 0 && told < found.size())
-    faults.push_back({file, "sigma must be told for every number, or for none"});
+  const auto expect_all_or_none = [&](const char* what, auto&& is_told) {
+    const auto told = std::count_if(found.begin(), found.end(), is_told);
+    if (faults.empty() && told > 0 && told < std::ptrdiff_t(found.size()))
+      faults.push_back({file, std::string(what) + " must be told for every number, or for none"});
+  };
+  expect_all_or_none("sigma", [](const Measurement& m) { return m.sigma > 0; });
+  expect_all_or_none("time", [](const Measurement& m) { return m.time.has_value(); });
   if (!faults.empty()) throw InputError(std::move(faults));
   return found;
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <variant>
 
 #include "lobe/error.h"
 #include "lobe/fem/transverse_isotropy.h"
@@ -33,14 +34,35 @@ void scale(double factor, const Elastic& start, Elastic& material) {
     material.further[i] = factor * start.further[i];
 }
 
+// A number of a term of a Prony series that is there.
+template <std::size_t i, double PronyTerm::*number>
+bool has_prony(const Material& m) {
+  return m.viscosity[i].*number > 0;
+}
+template <std::size_t i, double PronyTerm::*number>
+double prony(const Elastic& e, const Elastic&) {
+  return e.viscosity[i].*number;
+}
+template <std::size_t i, double PronyTerm::*number>
+void set_prony(double value, const Elastic&, Elastic& e) {
+  e.viscosity[i].*number = value;
+}
+
 struct Kind {
   const char* name;  // null: that of the law's further modulus
   ParameterScale scale;
   bool (*is_of)(const Material&);
   double (*value)(const Elastic&, const Elastic& at_start);
   void (*set)(double value, const Elastic& at_start, Elastic&);
+  bool in_motion = false;
 };
 
+template <std::size_t i, double PronyTerm::*number>
+constexpr Kind prony_kind(const char* name, ParameterScale scale) {
+  return {name, scale, has_prony<i, number>, prony<i, number>, set_prony<i, number>, true};
+}
+
+static_assert(most_prony_terms == 3);
 const Kind kinds[] = {
     {"young_modulus", ParameterScale::logarithmic, is_isotropic,
      [](const Elastic& e, const Elastic&) { return young(e); },
@@ -59,9 +81,24 @@ const Kind kinds[] = {
     {nullptr, ParameterScale::linear, has_further<1>,
      [](const Elastic& e, const Elastic&) { return e.further[1]; },
      [](double value, const Elastic&, Elastic& e) { e.further[1] = value; }},
+    prony_kind<0, &PronyTerm::shear>("prony_shear_1", ParameterScale::share),
+    prony_kind<0, &PronyTerm::bulk>("prony_bulk_1", ParameterScale::share),
+    prony_kind<0, &PronyTerm::time>("prony_time_1", ParameterScale::logarithmic),
+    prony_kind<1, &PronyTerm::shear>("prony_shear_2", ParameterScale::share),
+    prony_kind<1, &PronyTerm::bulk>("prony_bulk_2", ParameterScale::share),
+    prony_kind<1, &PronyTerm::time>("prony_time_2", ParameterScale::logarithmic),
+    prony_kind<2, &PronyTerm::shear>("prony_shear_3", ParameterScale::share),
+    prony_kind<2, &PronyTerm::bulk>("prony_bulk_3", ParameterScale::share),
+    prony_kind<2, &PronyTerm::time>("prony_time_3", ParameterScale::logarithmic),
 };
 
+double stiffness_of(const SceneAttachment& attachment) {  // [Pa/m] of a bed, [N/m] of a ligament
+  return std::visit([](const auto& what) { return what.stiffness; }, attachment.what);
+}
+
 const Parameter* find(const std::vector<Parameter>& known, const Scene& scene, const std::string& name) {
+  for (const Parameter& parameter : known)
+    if (parameter.name == name) return &parameter;
   const std::string whole = scene.materials.size() == 1 && name.find('.') == std::string::npos
                                 ? scene.materials[0].name + "." + name
                                 : name;
@@ -83,13 +120,24 @@ std::vector<Parameter> all_parameters(const Scene& scene) {
       if (!kind.is_of(material)) continue;
       const char* name = kind.name ? kind.name : law_rows[std::size_t(material.law)].keys[further++];
       found.push_back({.name = material.name + "." + name,
-                       .material = m,
+                       .number = m,
                        .row = row,
                        .start = kind.value(start, start),
                        .unit = start.mu,
-                       .scale = kind.scale});
+                       .scale = kind.scale,
+                       .in_motion = kind.in_motion,
+                       .at_start = start});
     }
   }
+  for (std::size_t a = 0; a < scene.attachments.size(); ++a)
+    found.push_back({.name = "attachments." + scene.attachments[a].name + ".stiffness",
+                     .of = Parameter::Of::attachment,
+                     .number = a,
+                     .start = stiffness_of(scene.attachments[a]),
+                     .in_motion = true});
+  if (scene.time.damping > 0)
+    found.push_back(
+        {.name = "damping", .of = Parameter::Of::body, .start = scene.time.damping, .in_motion = true});
   return found;
 }
 
@@ -99,6 +147,8 @@ double Parameter::on_scale(double value) const {
       return std::log(value);
     case ParameterScale::below_half:
       return std::log(0.5 - value);
+    case ParameterScale::share:
+      return std::log(value / (1 - value));
     case ParameterScale::linear:
       break;
   }
@@ -111,6 +161,8 @@ double Parameter::from_scale(double x) const {
       return std::exp(x);
     case ParameterScale::below_half:
       return 0.5 - std::exp(x);
+    case ParameterScale::share:
+      return 1 / (1 + std::exp(-x));
     case ParameterScale::linear:
       break;
   }
@@ -126,8 +178,9 @@ void refuse_factor_beside_moduli(const std::vector<Parameter>& found, std::vecto
   };
   for (const Parameter& factor : found)
     for (const Parameter& other : found)
-      if (is(factor, "stiffness") && other.material == factor.material && !is(other, "stiffness") &&
-          !is(other, "density"))
+      if (is(factor, "stiffness") && factor.of == Parameter::Of::material &&
+          other.of == Parameter::Of::material && other.number == factor.number && !other.in_motion &&
+          !is(other, "stiffness") && !is(other, "density"))
         faults.push_back({factor.name, "is a factor of all moduli: it does not go with " + other.name});
 }
 
@@ -155,23 +208,57 @@ std::vector<Parameter> find_parameters(const Scene& scene, const std::vector<std
   return found;
 }
 
-double value_of(const Parameter& parameter, const Elastic& material, const Elastic& at_start) {
-  return kinds[parameter.row].value(material, at_start);
+double value_of(const Parameter& parameter, const Elastic& material) {
+  return kinds[parameter.row].value(material, parameter.at_start);
 }
 
-void set(const Parameter& parameter, double value, const Elastic& at_start, Elastic& material) {
-  kinds[parameter.row].set(value, at_start, material);
+void set(const Parameter& parameter, double value, Elastic& material) {
+  kinds[parameter.row].set(value, parameter.at_start, material);
 }
+
+namespace {
 
 void set(const Parameter& parameter, double value, Material& material) {
-  const Elastic start = elastic_of(material);
-  Elastic changed = start;
-  set(parameter, value, start, changed);
+  Elastic changed = elastic_of(material);
+  set(parameter, value, changed);
   material.lame_lambda = changed.lambda;
   material.lame_mu = changed.mu;
   material.density = changed.density;
   material.further = changed.further;
+  material.viscosity = changed.viscosity;
   if (material.transverse) material.transverse = transverse_constants(changed);
+}
+
+// Strands of a bed have an area. What tears takes ½ k c δ_f² (22.2), or the tension k δ_f.
+void make_stiffer(double factor, AttachmentSetup& attachment) {
+  for (StrandSetup& strand : attachment.strands) strand.stiffness *= factor;
+  const bool is_bed = !attachment.strands.empty() && attachment.strands.front().area > 0;
+  attachment.holds_until /= is_bed ? std::sqrt(factor) : factor;
+}
+
+}  // namespace
+
+void set(const Parameter& parameter, double value, Setup& setup) {
+  switch (parameter.of) {
+    case Parameter::Of::material:
+      return set(parameter, value, setup.materials[parameter.number]);
+    case Parameter::Of::attachment:
+      return make_stiffer(value / parameter.start, setup.attachments[parameter.number]);
+    case Parameter::Of::body:
+      setup.damping = value;
+  }
+}
+
+void set(const Parameter& parameter, double value, Scene& scene) {
+  switch (parameter.of) {
+    case Parameter::Of::material:
+      return set(parameter, value, scene.materials[parameter.number]);
+    case Parameter::Of::attachment:
+      return std::visit([&](auto& what) { what.stiffness = value; },
+                        scene.attachments[parameter.number].what);
+    case Parameter::Of::body:
+      scene.time.damping = value;
+  }
 }
 
 }  // namespace lobe

@@ -1,4 +1,4 @@
-// The numbers of a material that can be fitted to measurements.
+// The numbers of a scene that can be fitted to measurements.
 #pragma once
 
 #include <string>
@@ -13,33 +13,42 @@ namespace lobe {
 enum class ParameterScale : std::uint8_t {
   logarithmic,  // ln p: positive
   below_half,   // ln(½ − p): Poisson's ratio
+  share,        // ln(p / (1 − p)): between 0 and 1
   linear        // p / unit
 };
 
 struct Parameter {
-  std::string name;          // "liver.young_modulus"
-  std::size_t material = 0;  // its number in the scene and in the setup
-  std::size_t row = 0;       // row in the table of kinds in parameters.cpp
-  double start = 0;          // value in the scene
-  double unit = 1;           // unit of a linear scale
+  enum class Of : std::uint8_t { material, attachment, body };
+
+  std::string name;  // "liver.young_modulus"
+  Of of = Of::material;
+  std::size_t number = 0;  // number of the material or attachment, in the scene and in the setup
+  std::size_t row = 0;     // row in the table of kinds of material parameters in parameters.cpp
+  double start = 0;        // value in the scene
+  double unit = 1;         // unit of a linear scale
   ParameterScale scale = ParameterScale::logarithmic;
+  bool in_motion = false;  // whether it changes motions alone, and no equilibrium
+  Elastic at_start{};      // its material in the scene, which a factor of the stiffness is relative to
 
   double on_scale(double value) const;
   double from_scale(double x) const;
 };
 
-// Finds the parameters of a scene by their names: young_modulus [Pa], poisson_ratio, density [kg/m³],
-// stiffness (a factor of all moduli), and the further moduli of the material's law, as yeoh_c2 [Pa]. "liver."
-// before the name tells the material; it may be left out where there is one material. Throws one InputError
+// Finds the parameters of a scene by their names. Of a material: young_modulus [Pa], poisson_ratio, density
+// [kg/m³], stiffness (a factor of all moduli), the further moduli of its law, as yeoh_c2 [Pa], and
+// prony_shear_1, prony_bulk_1, prony_time_1 [s] and so on of its viscosity. "liver." before the name tells
+// the material; it may be left out where there is one material. Of an attachment: attachments.NAME.stiffness
+// [Pa/m] or [N/m]. Of the body: damping [1/s]. What is 0 in the scene is no parameter. Throws one InputError
 // for all names that mean nothing in the scene; it lists those that do.
 std::vector<Parameter> find_parameters(const Scene& scene, const std::vector<std::string>& names);
 
 std::vector<Parameter> all_parameters(const Scene& scene);
 
-double value_of(const Parameter& parameter, const Elastic& material, const Elastic& at_start);
-// Poisson's ratio stays when Young's modulus is set, and the other way round. `at_start` is what a factor of
-// the stiffness is relative to.
-void set(const Parameter& parameter, double value, const Elastic& at_start, Elastic& material);
-void set(const Parameter& parameter, double value, Material& material);
+double value_of(const Parameter& parameter, const Elastic& material);  // of a material's parameter
+// Sets it in what the scene was resolved to, or in the scene. Poisson's ratio stays when Young's modulus is
+// set, and the other way round. An attachment keeps its strength, or its fracture energy.
+void set(const Parameter& parameter, double value, Elastic& material);  // of a material's parameter
+void set(const Parameter& parameter, double value, Setup& setup);
+void set(const Parameter& parameter, double value, Scene& scene);
 
 }  // namespace lobe

@@ -19,11 +19,13 @@ const double ten_percent = std::log(1.1);
 constexpr double scale_step = 1e-4;  // on the scale of a parameter
 constexpr double nearly_held = 0.9;  // share by which a held part is held that gives way
 
-// Not what another one says as well, nor a modulus that may be zero or negative.
+// Not what another one says as well, nor a modulus that may be zero or negative, nor what an equilibrium does
+// not depend on.
 bool is_of_its_own(const Parameter& parameter, const Scene& scene) {
-  const bool is_factor = parameter.name == scene.materials[parameter.material].name + ".stiffness";
-  return parameter.scale != ParameterScale::linear &&
-         !(is_factor && !scene.materials[parameter.material].transverse);
+  if (parameter.in_motion || parameter.scale == ParameterScale::linear) return false;
+  const Material& material = scene.materials[parameter.number];
+  const bool is_factor = parameter.name == material.name + ".stiffness";
+  return !is_factor || material.transverse;
 }
 
 // What is asked: the displacement, and the force on what is moved.
@@ -100,8 +102,7 @@ Effect Question::effect_of(const Parameter& parameter, const StaticSensitivity& 
   const double way = parameter.scale == ParameterScale::below_half ? -ten_percent : ten_percent;
   const auto at = [&](double value) {
     Setup setup = load_.setup;
-    set(parameter, parameter.from_scale(value), load_.setup.materials[parameter.material],
-        setup.materials[parameter.material]);
+    set(parameter, parameter.from_scale(value), setup);
     return setup;
   };
   const StaticDerivative by = sensitivity.by(at, x, scale_step);

@@ -32,7 +32,7 @@ from ._lobe import (
     run,
     solve,
 )
-from .programs import bench, fit, mesh, read_table, sensitivity, view
+from .programs import bench, fit, mesh, read_table, rest, sensitivity, view
 
 __all__ = [
     "Cautery", "Checkpoint", "ClipApplier", "Condition", "Difference", "Event", "GestureOutcome", "Grasp",
@@ -40,5 +40,5 @@ __all__ = [
     "Probe", "Proposal", "Report", "Scalpel", "Scene", "Snapshot", "StaticResult",
     "Surface", "Transitions", "World", "__version__",
     "bench", "box_mesh", "compare", "fit", "mesh", "propose_regions", "read_checkpoint", "read_mesh", "read_scene",
-    "read_table", "region_models", "run", "sensitivity", "solve", "view",
+    "read_table", "region_models", "rest", "run", "sensitivity", "solve", "view",
 ]

@@ -141,6 +141,21 @@ def sensitivity(scene):
         return json.loads(_run("sensitivity", file, "--json", allowed=(0, 1)))
 
 
+def rest(scene, output, *, tolerance=1e-5):
+    """Finds the unloaded shape of a scene's body, whose mesh is its shape under the loads, as `lobe rest` does.
+
+    output: the scene to write (.json), with its mesh beside it; or the mesh alone (.vtu). tolerance: how near the
+    loaded shape must come to the mesh [m].
+
+    Returns the dict that `lobe rest --json` prints: "ok", "reason", "iterations", "largest_distance_loaded_m",
+    "mean_distance_loaded_m", "largest_distance_unloaded_m", "files" and others.
+    """
+    with tempfile.TemporaryDirectory() as folder:
+        file = _scene_file(scene, pathlib.Path(folder), 0)
+        text = _run("rest", file, "-o", output, "--tolerance", repr(float(tolerance)), "--json", allowed=(0, 1))
+        return json.loads(text)
+
+
 def read_table(file):
     """A table of a benchmark (CSV) as a structured array: table["ns_per_tet"]."""
     with open(file, newline="", encoding="utf-8") as text:

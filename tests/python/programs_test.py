@@ -153,3 +153,15 @@ def test_density_and_modulus_matter_alike_to_the_sag(scene):
     by = {effect["of"]: effect["largest"] for effect in weight["effects"]}
     assert by["tissue.density + 10 %"] == pytest.approx(-by["tissue.young_modulus + 10 %"], rel=1e-5)
     assert by["tissue.density + 10 %"] > 0.05
+
+
+def test_a_scene_at_rest_sags_into_the_shape_that_was_given(scene, tmp_path):
+    told = lobe.rest(scene, tmp_path / "rest.json", tolerance=1e-7)
+    assert told["ok"]
+    assert told["largest_distance_loaded_m"] <= 1e-7
+    rest = lobe.read_scene(tmp_path / "rest.json")
+    back = rest.mesh.points + lobe.solve(rest).u - scene.mesh.points
+    assert abs(back).max() <= 1e-7
+    assert told["largest_distance_unloaded_m"] > 1e-4
+    with pytest.raises(lobe.InputError, match="give the scene to write"):
+        lobe.rest(scene, tmp_path / "rest.txt")

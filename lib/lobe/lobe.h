@@ -36,6 +36,7 @@
 //   scene: a JSON file that says what a world starts from and what happens in it.
 //   setup: a scene resolved on one mesh, as plain arrays, from which a world is built; C++ struct Setup.
 //   rest position: where a vertex is without loads [m].
+//   rest shape: the shape of a body without loads; an image shows another one, under weight and pressure.
 //   displacement: present position less rest position [m].
 //   region: a part of a body that is computed by one model; several regions may have the same model.
 //   non-linear region: a region of tetrahedra of a non-linear law (St Venant-Kirchhoff, neo-Hookean, Yeoh,
@@ -199,6 +200,7 @@
 #include "lobe/scene/parse_tool.h"
 #include "lobe/scene/read_scene.h"
 #include "lobe/scene/resolve.h"
+#include "lobe/scene/rest_scene.h"
 #include "lobe/scene/scene_mesh.h"
 #include "lobe/scene/schema.h"
 #include "lobe/scene/select.h"

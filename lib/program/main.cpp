@@ -203,7 +203,10 @@ void add_rest(CLI::App& app, RestOptions& options, Action& action) {
       app.add_subcommand("rest", "The unloaded shape of a body that is given under its loads");
   command->add_option("SCENE", options.scene, "scene file, whose mesh is the loaded shape")->required();
   command->add_option("--mesh", options.mesh, "mesh to use in place of the scene's");
-  command->add_option("-o,--output", options.output, "mesh to write (.vtu)")->required();
+  command
+      ->add_option("-o,--output", options.output,
+                   "scene to write (.json, with its mesh beside it), or the mesh alone (.vtu)")
+      ->required();
   command->add_option("--tolerance", options.tolerance, "how near the loaded shape must come to the mesh [m]")
       ->check(CLI::Range(1e-12, 1.0))
       ->capture_default_str();

@@ -47,8 +47,8 @@ Resolved resolved_bar(const json& scene) {
   return resolve(parse_scene(scene.dump()), box_mesh({0.08, 0.02, 0.02}, 4, 1, 1));
 }
 
-const json stretched = {{"boundary", {{{"displacement", {0.004, 0, 0}}, {"where", end_of_bar(0.08)}}}},
-                        {"time", {{"ramp", 0.02}}}};
+const json stretched_bar = {{"boundary", {{{"displacement", {0.004, 0, 0}}, {"where", end_of_bar(0.08)}}}},
+                            {"time", {{"ramp", 0.02}}}};
 const json pulled_aside = {{"boundary", {{{"force", {0, 0, -0.003}}, {"where", end_of_bar(0.08)}}}},
                            {"time", {{"damping", 4}}}};
 
@@ -63,8 +63,8 @@ std::vector<Measurement> table_of(const std::string& place, int count, double ev
   for (int i = 1; i <= count; ++i) text += place + "," + std::to_string(i * every) + "\n";
   return parse_measurements(text, "data.csv");
 }
-const char* const grip = "force,1,x,0,N";
-const char* const tip = "displacement,0.08 0.01 0.01,z,0,m";
+const char* const grip_force = "force,1,x,0,N";
+const char* const tip_sag = "displacement,0.08 0.01 0.01,z,0,m";
 
 Eigen::VectorXd played(const json& scene, const std::vector<Measurement>& places) {
   const Resolved resolved = resolved_bar(scene);
@@ -91,9 +91,10 @@ FitCase shown_by(const json& truth, const json& start, std::vector<Measurement> 
 }  // namespace
 
 TEST_CASE("values in motion are those of a world that is played in the frames of the scene") {
-  const json scene = bar_with(relaxing(3e4, 0.3, 0.1), stretched);
+  const json scene = bar_with(relaxing(3e4, 0.3, 0.1), stretched_bar);
   const Resolved resolved = resolved_bar(scene);
-  std::vector<Measurement> places = table_of(grip, 3, 2 * frame), points = table_of(tip, 3, 2 * frame);
+  std::vector<Measurement> places = table_of(grip_force, 3, 2 * frame),
+                           points = table_of(tip_sag, 3, 2 * frame);
   places.insert(places.end(), points.begin(), points.end());
   const Eigen::VectorXd found = played(scene, places);
   World<double> world(resolved.setup);
@@ -106,7 +107,7 @@ TEST_CASE("values in motion are those of a world that is played in the frames of
     CHECK(world.state().u(0, end) == near(0.004, 1e-9));
   }
   // Frames also end at measured times between.
-  CHECK(played(scene, table_of(grip, 20, 0.3 * frame))[19] == near(found[2], 0.05));
+  CHECK(played(scene, table_of(grip_force, 20, 0.3 * frame))[19] == near(found[2], 0.05));
 }
 
 TEST_CASE("a body whose motion has died away gives the modulus of its equilibrium") {
@@ -118,7 +119,7 @@ TEST_CASE("a body whose motion has died away gives the modulus of its equilibriu
   const Resolved truth = resolved_bar(damped(3e4)), start = resolved_bar(damped(5e4));
   const StaticResult equilibrium = solve_static(truth.setup);
   REQUIRE(equilibrium.converged);
-  std::vector<Measurement> places = table_of(tip, 1, 3.0);
+  std::vector<Measurement> places = table_of(tip_sag, 1, 3.0);
   places[0].value = Observations(truth, places, "data.csv")
                         .values(equilibrium.u, equilibrium.reactions, Eigen::VectorXd())[0];
   const FitResult found = fit({{start.setup, Observations(start, places, "data.csv"),
@@ -128,15 +129,15 @@ TEST_CASE("a body whose motion has died away gives the modulus of its equilibriu
 }
 
 TEST_CASE("a modulus and its relaxation are found again with 2 % of noise, and intervals hold what is true") {
-  const json truth = bar_with(relaxing(3e4, 0.4, 0.15), stretched),
-             start = bar_with(relaxing(6e4, 0.2, 0.4), stretched);
+  const json truth = bar_with(relaxing(3e4, 0.4, 0.15), stretched_bar),
+             start = bar_with(relaxing(6e4, 0.2, 0.4), stretched_bar);
   const std::vector<double> exact{3e4, 0.4, 0.15};
   int inside = 0;
   constexpr int seeds = 10;
   for (unsigned seed = 1; seed <= seeds; ++seed) {
     const FitResult both =
-        fit({shown_by(truth, bar_with(relaxing(6e4, 0.2, 0.15), stretched), table_of(grip, 50, frame),
-                      {"young_modulus", "prony_shear_1"}, 0.02, seed)});
+        fit({shown_by(truth, bar_with(relaxing(6e4, 0.2, 0.15), stretched_bar),
+                      table_of(grip_force, 50, frame), {"young_modulus", "prony_shear_1"}, 0.02, seed)});
     REQUIRE_MESSAGE(both.converged, both.reason);
     for (std::size_t j = 0; j < 2; ++j) {
       const FittedParameter& p = both.parameters[j];
@@ -149,7 +150,7 @@ TEST_CASE("a modulus and its relaxation are found again with 2 % of noise, and i
     CHECK(both.misfit == near(0.02, 0.35));
   }
   CHECK(inside >= 2 * seeds - 4);  // 95 % of 20 are 19; fewer than 16 have a probability of 0.3 %
-  const FitResult all = fit({shown_by(truth, start, table_of(grip, 50, frame),
+  const FitResult all = fit({shown_by(truth, start, table_of(grip_force, 50, frame),
                                       {"young_modulus", "prony_shear_1", "prony_time_1"})});
   REQUIRE_MESSAGE(all.converged, all.reason);
   for (std::size_t j = 0; j < 3; ++j) CHECK(all.parameters[j].value == near(exact[j], 5e-3));
@@ -162,8 +163,9 @@ TEST_CASE("a swing tells the modulus and the damping") {
     return scene;
   };
   for (unsigned seed = 1; seed <= 3; ++seed) {
-    const FitResult found = fit({shown_by(swinging(3e4, 4), swinging(3.5e4, 2), table_of(tip, 100, frame / 2),
-                                          {"young_modulus", "damping"}, 0.02, seed)});
+    const FitResult found =
+        fit({shown_by(swinging(3e4, 4), swinging(3.5e4, 2), table_of(tip_sag, 100, frame / 2),
+                      {"young_modulus", "damping"}, 0.02, seed)});
     REQUIRE_MESSAGE(found.converged, found.reason);
     CHECK(found.parameters[0].value == near(3e4, 0.02));
     CHECK(found.parameters[1].value == near(4, 0.05));
@@ -185,7 +187,7 @@ TEST_CASE("the stiffness of a ligament is found beside the modulus, and its stre
   };
   const std::vector<std::string> names{"young_modulus", "attachments.cord.stiffness"};
   for (unsigned seed = 1; seed <= 3; ++seed) {
-    std::vector<Measurement> places = table_of(tip, 20, 2 * frame),
+    std::vector<Measurement> places = table_of(tip_sag, 20, 2 * frame),
                              more = table_of("force,0,z,0,N", 20, 2 * frame);
     places.insert(places.end(), more.begin(), more.end());
     const FitResult found = fit({shown_by(tied(3e4, 3), tied(4e4, 1.5), places, names, 0.02, seed)});
@@ -208,7 +210,7 @@ TEST_CASE("the stiffness of a ligament is found beside the modulus, and its stre
 
 TEST_CASE(
     "parameters of motion are set in the scene and in what it is resolved to, and a bed keeps its energy") {
-  json document = bar_with(relaxing(3e4, 0.3, 0.1), stretched);
+  json document = bar_with(relaxing(3e4, 0.3, 0.1), stretched_bar);
   document["attachments"] = {{{"name", "bed"},
                               {"bed",
                                {{"from", {{"box", {{"min", {-1, -1, 0.02}}, {"max", {1, 1, 1}}}}}},
@@ -238,9 +240,9 @@ TEST_CASE(
 
 TEST_CASE("what a motion does not tell is said") {
   // Long after the only term has relaxed, the slow modulus is left.
-  json truth = bar_with(relaxing(3e4, 0.3, 0.01), stretched);
+  json truth = bar_with(relaxing(3e4, 0.3, 0.01), stretched_bar);
   std::vector<Measurement> late;
-  for (const Measurement& m : table_of(grip, 50, frame))
+  for (const Measurement& m : table_of(grip_force, 50, frame))
     if (*m.time > 0.5) late.push_back(m);
   const FitResult found = fit({shown_by(truth, truth, late, {"young_modulus", "prony_time_1"}, 0.02)});
   REQUIRE(found.notes.size() == 1);
@@ -260,10 +262,10 @@ TEST_CASE("what a motion does not tell is said") {
 TEST_CASE("a trial whose shares sum to all is refused") {
   json material = relaxing(3e4, 0.3, 0.05);
   material["viscosity"].push_back({{"shear", 0.6}, {"time", 0.5}});
-  const json scene = bar_with(material, stretched);
+  const json scene = bar_with(material, stretched_bar);
   Resolved resolved = resolved_bar(scene);
   set(find_parameters(parse_scene(scene.dump()), {"prony_shear_1"})[0], 0.5, resolved.setup);
-  const Observations observed(resolved, table_of(grip, 1, frame), "data.csv");
+  const Observations observed(resolved, table_of(grip_force, 1, frame), "data.csv");
   std::string trouble;
   CHECK_THROWS_WITH_AS(values_in_motion(resolved.setup, observed, frame, trouble),
                        doctest::Contains("must sum to less than 1"), InputError);
@@ -286,7 +288,7 @@ TEST_CASE("the force of a tool is its mean over the frame, and 0 after it has le
 
 TEST_CASE("tables of motions that cannot be are refused") {
   const Resolved resolved =
-      resolved_bar(bar_with({{"young_modulus", 3e4}, {"poisson_ratio", 0.4}}, stretched));
+      resolved_bar(bar_with({{"young_modulus", 3e4}, {"poisson_ratio", 0.4}}, stretched_bar));
   const auto read = [&](const std::string& lines) {
     Observations(resolved, parse_measurements("quantity,at,component,value,unit,time\n" + lines, "data.csv"),
                  "data.csv");
@@ -301,7 +303,7 @@ TEST_CASE("tables of motions that cannot be are refused") {
                        doctest::Contains("time must be told for every number, or for none"), InputError);
   CHECK_THROWS_WITH_AS(read("frequency,1,,1,Hz,0.1\n"), doctest::Contains("a frequency has no time"),
                        InputError);
-  json document = bar_with({{"young_modulus", 3e4}, {"poisson_ratio", 0.4}}, stretched);
+  json document = bar_with({{"young_modulus", 3e4}, {"poisson_ratio", 0.4}}, stretched_bar);
   document["tools"] = {
       {{"type", "grasp"}, {"name", "forceps"}, {"where", end_of_bar(0.08)}, {"path", {{0, 0, 0, 0}}}}};
   CHECK_THROWS_WITH_AS(

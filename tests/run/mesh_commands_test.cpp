@@ -139,20 +139,61 @@ TEST_CASE("lobe refine warns where arrays are lost, and refuses what it cannot d
   }
 }
 
-TEST_CASE(
-    "lobe rest writes the unloaded shape, from which the loads lead back, and says what then fits no more") {
+TEST_CASE("lobe rest writes the unloaded shape, from which the loads lead back") {
   const Folder folder;
   write_scene_files(folder);
   const TetMesh given = read_mesh(folder.path / "beam.vtu").mesh;
   const Ended ended = lobe_in(folder, "rest scene.json -o rest.vtu --tolerance 1e-9");
   REQUIRE_MESSAGE(ended.status == 0, ended.err);
+  CHECK(ended.err.find("tools are ignored") != std::string::npos);
   const MeshFile rest = read_mesh(folder.path / "rest.vtu");
   const Eigen::MatrixXd back = rest.mesh.points + rest.point_data.at("displacement") - given.points;
   CHECK(back.colwise().norm().maxCoeff() <= 1e-9);
   CHECK((rest.mesh.points - given.points).colwise().norm().maxCoeff() > 1e-5);
   CHECK(rest.mesh.labels == given.labels);
-  CHECK(lobe_in(folder, "rest scene.json -o rest.vtk").status == 2);
-  CHECK(lobe_in(folder, "rest scene.json -o rest.vtu --tolerance 0").status == 2);
+}
+
+TEST_CASE("lobe rest writes a scene, which sinks back into the image") {
+  const Folder folder;
+  write_scene_files(folder);
+  const Ended ended = lobe_in(folder, "rest scene.json -o rest.json --json");
+  REQUIRE_MESSAGE(ended.status == 0, ended.err);
+  const Json told = Json::parse(ended.out);
+  CHECK(told["ok"] == true);
+  CHECK(told["load_fraction"] == 1.0);
+  CHECK(told["largest_distance_loaded_m"].get<double>() <= 1e-5);
+  CHECK(told["mean_distance_loaded_m"].get<double>() <= told["largest_distance_loaded_m"].get<double>());
+  CHECK(told["files"].size() == 2);
+  REQUIRE(lobe_in(folder, "solve rest.json -o sagged").status == 0);
+  const MeshFile sagged = read_mesh(folder.path / "sagged" / "solution.vtu");
+  const Eigen::MatrixXd off = sagged.mesh.points + sagged.point_data.at("displacement") -
+                              read_mesh(folder.path / "beam.vtu").mesh.points;
+  CHECK(off.colwise().norm().maxCoeff() <= 1e-5);
+}
+
+TEST_CASE("lobe rest says what has no rest shape, and loses no file of the scene") {
+  const Folder folder;
+  Json scene = small_scene();
+  scene["gravity"] = {0, 0, -1e5};
+  write_scene_files(folder, scene);
+  const Ended crushed = lobe_in(folder, "rest scene.json -o rest.json --json");
+  CHECK(crushed.status == 1);
+  CHECK(crushed.err.find("% of the loads taken off") != std::string::npos);
+  CHECK(Json::parse(crushed.out)["ok"] == false);
+  const std::string before = bytes_of(folder.path / "scene.json"), mesh = bytes_of(folder.path / "beam.vtu");
+  for (const char* wrong :
+       {"-o rest.vtk", "-o rest.vtu --tolerance 0", "-o scene.json", "-o beam.vtu", "-o beam.json"}) {
+    CAPTURE(wrong);
+    const Ended refused = lobe_in(folder, std::string("rest scene.json ") + wrong);
+    CHECK(refused.status == 2);
+    CHECK_FALSE(refused.err.empty());
+  }
+  CHECK(bytes_of(folder.path / "scene.json") == before);
+  CHECK(bytes_of(folder.path / "beam.vtu") == mesh);
+  scene = small_scene();
+  scene.erase("boundary");
+  folder.write("free.json", scene.dump());
+  CHECK(lobe_in(folder, "rest free.json -o rest.json").err.find("is not held") != std::string::npos);
 }
 
 TEST_CASE("lobe fit finds the modulus that a solution has, and lobe sensitivity what moves it") {

@@ -54,6 +54,18 @@ bool is_loaded(const Setup& setup) {
 
 }  // namespace
 
+std::vector<std::string> left_out_of_statics(const Scene& scene, const Setup& setup) {
+  std::vector<std::string> warnings;
+  for (const auto& [any, what] :
+       {std::pair(!scene.tools.empty(), "tools"), std::pair(!scene.threads.empty(), "threads"),
+        std::pair(!scene.attachments.empty(), "attachments")})
+    if (any) warnings.push_back(std::string(what) + " are ignored in a static solution");
+  if (scene.contact.is_on()) warnings.push_back("contact is ignored in a static solution");
+  if (any_viscous(setup.materials))
+    warnings.push_back("viscosity is left out of a static solution, which is that after long rest");
+  return warnings;
+}
+
 RunResult solve_scene(const Scene& scene, const Resolved& resolved, const RunOptions& options) {
   const auto start = std::chrono::steady_clock::now();
   StaticOptions solver;
@@ -74,13 +86,8 @@ RunResult solve_scene(const Scene& scene, const Resolved& resolved, const RunOpt
   if (solution.converged && solution.buckling > 0)
     result.warnings.push_back("the body has buckled at about " + rounded(100 * solution.buckling) +
                               " % of the load: it has other equilibria than this one");
-  for (const auto& [any, what] :
-       {std::pair(!scene.tools.empty(), "tools"), std::pair(!scene.threads.empty(), "threads"),
-        std::pair(!scene.attachments.empty(), "attachments")})
-    if (any) result.warnings.push_back(std::string(what) + " are ignored in a static solution");
-  if (scene.contact.is_on()) result.warnings.push_back("contact is ignored in a static solution");
-  if (any_viscous(resolved.setup.materials))
-    result.warnings.push_back("viscosity is left out of a static solution, which is that after long rest");
+  for (const std::string& warning : left_out_of_statics(scene, resolved.setup))
+    result.warnings.push_back(warning);
   if (!solution.converged) result.warnings.push_back(solution.reason);
   std::error_code error;
   std::filesystem::create_directories(options.directory, error);

@@ -152,14 +152,23 @@ bool has_unnamed_millimetres(const Nrrd& nrrd) {
               .empty();
 }
 
-}  // namespace
-
-double assumed_unit(const std::filesystem::path& file) {
-  const bool is_nrrd = file.extension() == ".nrrd" || file.extension() == ".nhdr";
-  return is_nrrd && has_unnamed_millimetres(*load(file.string(), true)) ? 1e-3 : 1;
+// A segment that has voxels, but none where it is not covered, would be lost.
+void refuse_covered(const std::string& file, const std::vector<std::int32_t>& values, std::size_t layers,
+                    const MergedLayers& merged) {
+  for (std::size_t s = 0; s < merged.segments.size(); ++s) {
+    const Segment& segment = merged.segments[s];
+    const auto label = static_cast<std::int32_t>(s + 1);
+    if (std::find(merged.values.begin(), merged.values.end(), label) != merged.values.end()) continue;
+    for (std::size_t voxel = segment.layer; voxel < values.size(); voxel += layers)
+      if (values[voxel] == segment.value)
+        throw InputError(file, "later segments cover label " + std::to_string(label) +
+                                   (segment.name.empty() ? "" : " (" + segment.name + ")") +
+                                   " wholly: move it behind them in the list of segments");
+  }
 }
 
-LabelImage read_nrrd(const std::string& file) {
+// `names`: gets those of the segments, by label.
+LabelImage read_named(const std::string& file, std::map<int, std::string>& names) {
   LabelImage image;
   std::size_t layers = 1;
   {
@@ -178,13 +187,41 @@ LabelImage read_nrrd(const std::string& file) {
   const NrrdOwner nrrd = load(file, false);
   const std::array<Index, 3> stored{Index(layers) * image.size[0], image.size[1], image.size[2]};
   image.values = to_labels(file, nrrd->data, stored, type_of(*nrrd));
-  if (nrrd->dim == 3) return image;
   std::vector<Segment> named = segments_of(*nrrd);
+  if (nrrd->dim == 3) {
+    for (const Segment& segment : named)
+      if (!segment.name.empty()) names[segment.value] = segment.name;
+    return image;
+  }
   std::erase_if(named, [&](const Segment& segment) { return segment.layer >= layers; });
   MergedLayers merged = merge_layers(image.values, layers, named);
+  refuse_covered(file, image.values, layers, merged);
   image.notes.push_back(words_of(merged));
   image.values = std::move(merged.values);
+  for (std::size_t s = 0; s < merged.segments.size(); ++s)
+    if (!merged.segments[s].name.empty()) names[int(s) + 1] = merged.segments[s].name;
   return image;
+}
+
+bool is_nrrd_file(const std::filesystem::path& file) {
+  return file.extension() == ".nrrd" || file.extension() == ".nhdr";
+}
+
+}  // namespace
+
+double assumed_unit(const std::filesystem::path& file) {
+  return is_nrrd_file(file) && has_unnamed_millimetres(*load(file.string(), true)) ? 1e-3 : 1;
+}
+
+LabelImage read_nrrd(const std::string& file) {
+  std::map<int, std::string> ignored;
+  return read_named(file, ignored);
+}
+
+std::map<int, std::string> segment_names(const std::filesystem::path& file) {
+  std::map<int, std::string> names;
+  if (is_nrrd_file(file)) read_named(file.string(), names);
+  return names;
 }
 
 }  // namespace lobe::meshing
@@ -194,6 +231,8 @@ LabelImage read_nrrd(const std::string& file) {
 namespace lobe::meshing {
 
 double assumed_unit(const std::filesystem::path&) { return 1; }
+
+std::map<int, std::string> segment_names(const std::filesystem::path&) { return {}; }
 
 LabelImage read_nrrd(const std::string& file) {
   throw InputError(file,

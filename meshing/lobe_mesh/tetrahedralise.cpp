@@ -75,11 +75,14 @@ TetMesh mesh_model(const Model& model, const MeshOptions& options, MeshReport& r
   report.warnings.insert(report.warnings.begin(), model.warnings.begin(), model.warnings.end());
   if (report.keeping_edge > 0) report.warnings.push_back(words_of_gap(report));
   if (!report.passes()) {
+    // TetGen's mesh has thin parts at the price of its shapes.
+    const bool has_thin_parts =
+        !chosen.keep_thin && chosen.mesher == Mesher::cgal && report.mesher != Mesher::cgal;
     report.warnings.push_back(
         "the mesh is below the gate (every label, smallest dihedral angle 15°, altitude 0.1 of the edge, "
-        "dt* 0.5, one edge between surface and mesh): try another --edge, --feature-angle 180 (keeps no edge "
-        "sharp), or smooth the surface "
-        "there");
+        "dt* 0.5, one edge between surface and mesh): try " +
+        std::string(has_thin_parts ? "--keep-thin (shorter edges along thin parts), " : "") +
+        "another --edge, --feature-angle 180 (keeps no edge sharp), or smooth the surface there");
   }
   return mesh;
 }

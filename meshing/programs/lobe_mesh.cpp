@@ -9,6 +9,8 @@
 #include <csignal>
 #include <filesystem>
 #include <iostream>
+#include <map>
+#include <set>
 #include <sstream>
 
 #include "lobe/error.h"
@@ -147,6 +149,19 @@ TetMesh mesh_image(const Options& o, std::vector<InputFile>& inputs, MeshReport&
   return mesh;
 }
 
+// Names of the labels: of segments of an image, or of the files of several surfaces, where these differ.
+std::map<int, std::string> names_of_labels(const Options& o) {
+  std::map<int, std::string> names;
+  if (o.is_image()) return segment_names(o.surfaces.front());
+  std::set<std::string> different;
+  const std::size_t count = o.surfaces.size() - o.voids.size();
+  for (std::size_t k = 0; k < count; ++k) {
+    names[static_cast<int>(k)] = std::filesystem::path(o.surfaces[k]).stem().string();
+    different.insert(names[static_cast<int>(k)]);
+  }
+  return count > 1 && different.size() == count ? names : std::map<int, std::string>{};
+}
+
 std::vector<SurfaceGroup> groups_of(const Options& o, const TetMesh& mesh) {
   std::vector<NamedSurface> groups;
   bool any = false;
@@ -161,18 +176,22 @@ std::vector<SurfaceGroup> groups_of(const Options& o, const TetMesh& mesh) {
   return any ? groups_of_faces(mesh, groups) : std::vector<SurfaceGroup>{};
 }
 
-// With the groups of the surfaces, where the format holds them.
-void write_with_groups(const Options& o, const TetMesh& mesh) {
-  if (o.is_image()) return write_mesh(o.output, mesh);
-  Groups groups{groups_of(o, mesh), {}};
+// With the groups of the surfaces and the names of the labels, where the format holds them.
+void write_with_groups(const Options& o, const TetMesh& mesh, const std::map<int, std::string>& label_names) {
+  Groups groups{o.is_image() ? std::vector<SurfaceGroup>{} : groups_of(o, mesh), {}};
+  for (const int label : mesh.labels)
+    if (const auto name = label_names.find(label); name != label_names.end())
+      groups.label_names.insert(*name);
   std::string names;
   for (const SurfaceGroup& group : groups.surfaces) names += (names.empty() ? "" : ", ") + group.name;
   const bool holds = holds_groups(o.output);
-  if (!groups.empty() && !holds)
+  if (!names.empty() && !holds)
     warn("the groups of the surface (" + names +
-         ") are left out: -o MESH.msh keeps them, for a scene to select");
-  else if (!groups.empty())
+         ") are left out: -o MESH.vtu or MESH.msh keeps them, for a scene to select");
+  else if (!names.empty())
     say(o, "groups of the surface: " + names + "\n");
+  if (o.is_image() && !groups.label_names.empty() && !holds)
+    warn("the names of the segments are left out: -o MESH.vtu or MESH.msh keeps them");
   write_grouped_mesh(o.output, mesh, holds ? groups : Groups{});
 }
 
@@ -194,7 +213,7 @@ int run(const Options& given) {
   MeshReport report;
   const TetMesh mesh = o.is_image() ? mesh_image(o, inputs, report) : mesh_surfaces(o, inputs, report);
   for (const std::string& warning : report.warnings) warn(warning);
-  write_with_groups(o, mesh);
+  write_with_groups(o, mesh, names_of_labels(o));
   write_report(o, in_json(inputs, o.output, o.mesh, report));
   say(o, in_words(report));
   if (report.missing_labels() > 0) {
@@ -232,7 +251,9 @@ int run_and_report(const Options& options) {
     print_errors("out of memory: choose a longer --edge, or a larger --memory-limit");
     return 1;
   } catch (const std::exception& error) {
-    print_errors(error.what());
+    const bool is_empty = *error.what() == '\0';
+    print_errors(is_empty ? "a library gave up and does not say why: try the other --mesher, or --repair wrap"
+                          : error.what());
     return 1;
   }
 }

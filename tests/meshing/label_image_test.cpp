@@ -405,6 +405,10 @@ TEST_CASE("an NRRD image of layers of segments is read with their names") {
   CHECK(image.to_world == aligned({2, 3, 4}, {10, 20, 30}));
   REQUIRE(image.notes.size() == 1);
   CHECK(image.notes[0].starts_with("its segments are in layers: label 1 is liver, label 2 is tumour;"));
+  CHECK(segment_names(folder.path / "a.nrrd") == std::map<int, std::string>{{1, "liver"}, {2, "tumour"}});
+  const std::string covering = header + std::string("\0\1\1\1\0\1", 6);  // the tumour is all of the liver
+  CHECK(contains(input_error([&] { read_label_image(folder.write("c.nrrd", covering)); }),
+                 "later segments cover label 1 (liver) wholly: move it behind them"));
   std::string fourth = header;
   fourth.replace(fourth.find("none"), 4, "(1,0,0)");
   CHECK_THROWS_AS(read_label_image(folder.write("b.nrrd", fourth + std::string(6, '\0'))), InputError);
@@ -426,6 +430,12 @@ TEST_CASE("an NRRD image without a unit is in metres, and one of 3D Slicer in mi
   CHECK(unit_of(header) == 1);
   CHECK(read(header + slicer).to_world == 1e-3 * axes);
   CHECK(unit_of(header + slicer) == 1e-3);
+  const auto names_of = [&](const std::string& text) {
+    return segment_names(folder.write("a.seg.nrrd", text + "\n" + six_bytes));
+  };
+  CHECK(names_of(header + slicer + "Segment0_Name:=left lung\n") ==
+        std::map<int, std::string>{{1, "left lung"}});
+  CHECK(names_of(header + slicer).empty());
   CHECK(read(header + centimetres + slicer).to_world.isApprox(1e-2 * axes));
   CHECK(unit_of(header + centimetres + slicer) == 1);
 }

@@ -80,6 +80,37 @@ TEST_CASE("lobe-mesh --diagnose describes a bad surface and ends well") {
     if (finding["name"] == "pieces facing the wrong way") CHECK(finding["triangles"].size() == 100);
 }
 
+TEST_CASE("groups of a surface and names of surfaces are kept in the mesh, or are said to be lost") {
+  const SurfaceFolder folder;
+  const std::string organ =
+      folder
+          .write("organ.obj", std::string("v 0 0 0\nv .1 0 0\nv .1 .1 0\nv 0 .1 0\nv 0 0 .1\nv .1 0 .1\n"
+                                          "v .1 .1 .1\nv 0 .1 .1\ng held\nf 1 4 3 2\ng free\nf 5 6 7 8\n"
+                                          "f 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n"))
+          .string();
+  const std::string tumour =
+      folder.write("tumour.off", moved(make_sphere(0.02, 2), {0.05, 0.05, 0.05})).string();
+  const auto meshed = [&](const std::string& surfaces, const std::string& name) {
+    return lobe_mesh(surfaces + " --edge 0.03 -o " + (folder.path / name).string());
+  };
+  const Run kept = meshed(organ, "a.vtu");
+  REQUIRE_MESSAGE(kept.status == 0, kept.err);
+  CHECK(contains(kept.err, "groups of the surface: held, free\n"));
+  const MeshFile one = read_mesh(folder.path / "a.vtu");
+  REQUIRE(one.surfaces.size() == 2);
+  CHECK(one.surfaces[0].name == "held");
+  for (const auto& triangle : one.surfaces[0].triangles)
+    for (const Index v : triangle) CHECK(one.mesh.points(2, v) == near(0, 1e-9));
+  CHECK(one.label_names.empty());
+  CHECK(meshed(organ + " " + tumour, "b.vtu").status == 0);
+  const MeshFile two = read_mesh(folder.path / "b.vtu");
+  CHECK(two.label_names == std::map<int, std::string>{{0, "organ"}, {1, "tumour"}});
+  REQUIRE(two.surfaces.size() == 2);
+  CHECK(two.surfaces[0].name == "organ: held");
+  CHECK(contains(meshed(organ, "a.vtk").err,
+                 "the groups of the surface (held, free) are left out: -o MESH.vtu or MESH.msh keeps them"));
+}
+
 TEST_CASE("bad input ends with one line per fault, status 2 and nothing written") {
   const SurfaceFolder folder;
   const Surface cube = make_cube(0.1), sphere = make_sphere(0.05, 2);

@@ -155,7 +155,8 @@ TEST_CASE("nested surfaces become labels whose interfaces conform") {
 
 TEST_CASE("a label that is too small for the edge is a warning with the option that helps") {
   MeshReport report;
-  tetrahedralise({organ, vessel}, {.edge = 0.012, .mesher = Mesher::tetgen}, report);
+  const Surface duct = moved(make_sphere(0.005, 2), {-0.025, 0, 0});
+  tetrahedralise({organ, duct}, {.edge = 0.012, .mesher = Mesher::tetgen}, report);
   REQUIRE(report.warnings.size() == 1);
   CHECK(contains(report.warnings[0], "the volume of label 1 differs"));
   CHECK(contains(report.warnings[0], "--label-edge 1="));

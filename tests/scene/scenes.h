@@ -13,7 +13,8 @@ inline const std::string full_scene = R"({
   "mesh": "meshes/liver.vtu",
   "mesh_scale": 0.001,
   "materials": [
-    {"name": "parenchyma", "lame_lambda": 4e4, "lame_mu": 1e4, "density": 1060, "fracture_energy": 150},
+    {"name": "parenchyma", "lame_lambda": 4e4, "lame_mu": 1e4, "density": 1060, "fracture_energy": 150,
+     "viscosity": [{"shear": 0.3, "bulk": 0.1, "time": 0.05}]},
     {"name": "tumour", "where": {"label": 2}, "young_modulus": 7e4, "poisson_ratio": 0.4, "nodal_pressure": true, "element": "edge-smoothed"},
     {"where": {"label": [3, 4]}, "lame_lambda": 0, "lame_mu": 1e3, "nodal_pressure": 0.5}
   ],

@@ -196,6 +196,17 @@ class Explainer {
     }
     check_number_of_keys(object, schema, known, place);
     if (alternatives_fit(meant, schema, place)) check_dependencies(meant, schema, place);
+    check_any(meant, schema, place);
+  }
+
+  // `anyOf` of lists of one required key: [{"required": ["a"]}, …].
+  void check_any(const json& object, const json& schema, const std::string& place) {
+    std::vector<std::string> keys;
+    for (const json& branch : schema.value("anyOf", json::array())) {
+      keys.push_back(branch["required"][0]);
+      if (object.contains(keys.back())) return;
+    }
+    if (!keys.empty()) add(place, "needs " + listed(each_in_quotes(keys)));
   }
 
   // A list of keys that a key needs, or `anyOf` of such lists with one key each.

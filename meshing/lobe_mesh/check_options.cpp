@@ -78,10 +78,10 @@ void check_options(const MeshOptions& options, const Model& model) {
   }
   const double tets = expected_tets(options, model);
   if (tets > most_tets) {
-    throw InputError("edge",
-                     rounded(options.edge) + " m would give about " + rounded(std::round(tets / 1e6)) +
-                         " million tetrahedra, at most " + rounded(most_tets / 1e6) +
-                         " million are made: " + remedy_for_size(diagonal));
+    throw InputError("edge", rounded(options.edge) + " m would give about " +
+                                 rounded(std::round(tets / 1e6)) + " million tetrahedra, at most " +
+                                 rounded(most_tets / 1e6) +
+                                 " million are made: " + remedy_for_size(diagonal));
   }
 }
 

@@ -116,7 +116,7 @@ struct Material {
   double fibre_angle = 0;               // angle of both families of fibres to the direction [degrees]
   std::array<double, 3> fibre_plane{};  // a vector of their plane
   std::array<PronyTerm, most_prony_terms> viscosity{};  // terms of a Prony series, the first ones
-  std::optional<ElementType> element;   // element; without one, and without nodal_pressure: default_element.h
+  std::optional<ElementType> element;  // element; without one, and without nodal_pressure: default_element.h
   std::optional<TransverseConstants> transverse;  // constants with fibres, in place of both Lamé coefficients
   std::optional<FibreField> fibre;                // field of fibres, for those constants or for such a law
   std::string pointer;

@@ -68,7 +68,7 @@ OTHER_PROGRAMS = {"peers"}  # dated on the pages; lobe's code does not change th
 
 KNOWN_TO_BE_OLD = {
     "accuracy", "accuracy_undeclared", "contact", "cut", "elements", "features", "frames", "frequencies",
-    "gestures", "haptic", "haptic_loop", "huge", "hybrid", "kernels", "kernels_quick", "live",
+    "gestures", "haptic", "haptic_loop", "huge", "hybrid", "kernels", "live",
     "meshing/fuzz", "meshing/quality", "page", "palpation", "realtime", "reduced", "reduced_setup",
     "resting", "scalpel", "scalpel_beam", "scalpel_beam_order", "scalpel_limit", "scalpel_precomputed",
     "skin", "soak_sessions", "stress", "surface", "validation"}

@@ -311,6 +311,11 @@ CLAIMS = [
     (GESTURES, lambda: "to {} at {} (not corrected)".format(*front("selective-mass-alone", 0.02))),
     (KERNELS, lambda: f"With fibres a tetrahedron there takes {ends(over_svk('svk_fibre', 'single'), '.2f')} times as long as `svk` "
                 f"in single precision and {ends(over_svk('svk_fibre', 'double'), '.2f')} in double"),
+    (KERNELS, lambda: f"Two terms of a Prony series take {ends(over_svk('svk_prony', 'single'), '.2f')} times as long "
+                f"in single precision and {ends(over_svk('svk_prony', 'double'), '.2f')} in double"),
+    ("docs/theory/24_viscosity.md", lambda: "Two terms of a Prony series take "
+                f"{ends(over_svk('svk_prony', 'single'), '.2f')} times as long "
+                f"in single precision and {ends(over_svk('svk_prony', 'double'), '.2f')} in double"),
     (GESTURES, lambda: f"for tensor-mass regions {watching('proposed', 10299)} % at 10,299 tetrahedra, "
                 f"{watching('proposed', 50247)} % at 50,247"),
     (GESTURES, lambda: f"up to {high(rows('gestures', regions='precomputed-corrected', tets=10299), 'watching') * 100:.0f} % "

@@ -106,12 +106,13 @@ def _table_file(data, folder, number):
 
 
 def fit(scene, data, *, parameters=("young_modulus",)):
-    """Finds parameters of materials and attachments from measurements at rest or in motion, as `lobe fit` does.
+    """Finds parameters of materials and attachments from measurements, as `lobe fit` does.
 
-    scene: a Scene or a file; or a list of them, one for each load. data: for each scene a file (.csv), or a list of
-    dicts with the keys quantity ("displacement", "force", "frequency"), at (the point at rest [m], the number of the
-    entry of "boundary" or the name of a tool, the number of the frequency), component ("x", "y", "z", "length"), value,
-    unit, if known sigma, and in motion time [s]. parameters: their names, "liver.young_modulus" where there are several materials.
+    scene: a Scene or a file; or a list of them, one for each load. data: for each scene a file (.csv), or a
+    list of dicts with the keys quantity ("displacement", "force", "frequency"), at (the point at rest [m], the
+    number of the entry of "boundary" or the name of a tool, the number of the frequency), component ("x", "y",
+    "z", "length"), value, unit, if known sigma, and in motion time [s]. parameters: their names,
+    "liver.young_modulus" where there are several materials.
 
     Returns the dict that `lobe fit --json` prints: "ok", "parameters" (each with "name", "start", "value", "low",
     "high", "identifiable"), "misfit", "notes" and others.
@@ -142,18 +143,18 @@ def sensitivity(scene):
 
 
 def rest(scene, output, *, tolerance=1e-5):
-    """Finds the unloaded shape of a scene's body, whose mesh is its shape under the loads, as `lobe rest` does.
+    """Finds the unloaded shape of a body whose mesh is its shape under the loads, as `lobe rest` does.
 
-    output: the scene to write (.json), with its mesh beside it; or the mesh alone (.vtu). tolerance: how near the
-    loaded shape must come to the mesh [m].
+    output: the scene to write (.json), with its mesh beside it; or the mesh alone (.vtu). tolerance: how near
+    the loaded shape must come to the mesh [m].
 
-    Returns the dict that `lobe rest --json` prints: "ok", "reason", "iterations", "largest_distance_loaded_m",
-    "mean_distance_loaded_m", "largest_distance_unloaded_m", "files" and others.
+    Returns the dict that `lobe rest --json` prints: "ok", "reason", "iterations",
+    "largest_distance_loaded_m", "mean_distance_loaded_m", "largest_distance_unloaded_m", "files" and others.
     """
     with tempfile.TemporaryDirectory() as folder:
         file = _scene_file(scene, pathlib.Path(folder), 0)
-        text = _run("rest", file, "-o", output, "--tolerance", repr(float(tolerance)), "--json", allowed=(0, 1))
-        return json.loads(text)
+        arguments = ["-o", output, "--tolerance", repr(float(tolerance)), "--json"]
+        return json.loads(_run("rest", file, *arguments, allowed=(0, 1)))
 
 
 def read_table(file):

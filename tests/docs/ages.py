@@ -148,8 +148,8 @@ def faults(root, measures=None, known=None):
 
 
 def note_measured(root, names, today, measures=None):
-    """Takes note of tables that were measured by a program of the present sources. A table that is the same as
-    before was not measured again."""
+    """Takes note of tables that were measured by a program of the present sources. A table that is the same
+    as before was not measured again."""
     measures = MEASURES if measures is None else measures
     rows = read(root)
     before = {row["table"]: row["of_table"] for row in rows}

@@ -86,11 +86,9 @@ void Hands<Real>::bring(int controller, const HandCommand& command) {
       [&](auto brought) {
         brought.name = name_of(controller, command.hand);
         apply_(brought);
-        if constexpr (std::is_same_v<decltype(brought), BringProbe>) {
-          hand.turn = brought.pose.orientation;
+        if constexpr (requires { brought.turn(); }) hand.turn = brought.turn();
+        if constexpr (std::is_same_v<decltype(brought), BringProbe>)
           warn_of_inside(hand, brought.pose.position);
-        }
-        if constexpr (std::is_same_v<decltype(brought), BringClipApplier>) hand.turn = brought.orientation;
       },
       *command.tool);
   hand.tool = tool;
@@ -121,8 +119,8 @@ void Hands<Real>::watch_blade(Hand& hand) {
   if (hand.is_told || world_.time() < hand.looked + between) return;
   hand.looked = world_.time();
   world_.tools().visit(hand.tool, [&]<class Kind>(const Kind& tool) {
-    if constexpr (std::is_same_v<Kind, Scalpel>)
-      hand.is_told = tool.cuts && lies_in_body(tool.pose.tip) && lies_in_body(tool.pose.heel);
+    if constexpr (HasBlade<Kind>)
+      hand.is_told = tool.is_on() && lies_in_body(tool.pose.tip) && lies_in_body(tool.pose.heel);
   });
   if (hand.is_told)
     say("blade_inside", name_of(hand.controller, hand.number) +

@@ -8,16 +8,12 @@
 namespace lobe::io {
 
 // No name, no folder and no label decides how a body moves.
-template <>
-inline constexpr auto left_out<GraspSetup> = std::tuple(&GraspSetup::name);
-template <>
-inline constexpr auto left_out<CauterySetup> = std::tuple(&CauterySetup::name);
-template <>
-inline constexpr auto left_out<ScalpelSetup> = std::tuple(&ScalpelSetup::name);
-template <>
-inline constexpr auto left_out<ProbeSetup> = std::tuple(&ProbeSetup::name);
-template <>
-inline constexpr auto left_out<ClipApplierSetup> = std::tuple(&ClipApplierSetup::name);
+template <class T>
+requires requires {
+  T::type;
+  &T::name;
+}  // the setups of all tools
+inline constexpr auto left_out<T> = std::tuple(&T::name);
 template <>
 inline constexpr auto left_out<ObstacleSetup> = std::tuple(&ObstacleSetup::name);
 template <>

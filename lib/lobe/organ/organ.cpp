@@ -14,6 +14,7 @@
 #include "lobe/forces/pressure.h"
 #include "lobe/organ/left_out_fields.h"
 #include "lobe/setup/check_setup.h"
+#include "lobe/tool/tool_lists.h"
 
 namespace lobe {
 namespace {
@@ -77,7 +78,7 @@ Organ<Real>::Organ(const Setup& setup, int threads, const Progress& progress)
   }
   limit_.measure_at_rest(body_);
   embed();
-  if (!setup.scalpels.empty()) prepare_blades();
+  if (need_grains(setup)) prepare_blades();
   // They follow cuts from the first on.
   if (!setup.pressures.empty()) own_term(Pressure<Real>::term_name);
   if (!setup.stitches.empty()) own_term(Threads<Real>::term_name);

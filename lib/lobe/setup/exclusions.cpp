@@ -115,9 +115,11 @@ std::span<const Exclusion> exclusions() { return table; }
 std::span<const Exclusion> material_exclusions() { return table_of_material; }
 
 bool any_partly_held(const Setup& setup) {
-  return !setup.partly_held.empty() ||
-         std::any_of(setup.grasps.begin(), setup.grasps.end(),
-                     [](const GraspSetup& grasp) { return grasp.any_partly(); });
+  bool any = !setup.partly_held.empty();
+  for_each_tool(static_cast<const ToolSetups&>(setup), [&](const auto& tool) {
+    if constexpr (requires { tool.any_partly(); }) any = any || tool.any_partly();
+  });
+  return any;
 }
 
 Options options_of(const Setup& setup) {
@@ -132,12 +134,11 @@ Options options_of(const Setup& setup) {
   used.add(Option::other_law, any_other_law(setup.materials));
   used.add(Option::sleep, setup.sleep > 0);
   used.add(Option::selective_mass, setup.selective_mass > 1);
-  const bool has_core = std::any_of(setup.cauteries.begin(), setup.cauteries.end(),
-                                    [](const CauterySetup& cautery) { return cautery.core > 0; });
-  used.add(Option::force_terms, has_core || !setup.probes.empty() || setup.contact.is_on() ||
-                                    !setup.pressures.empty() || !setup.stitches.empty() ||
-                                    !setup.attachments.empty() || !setup.clip_appliers.empty() ||
+  used.add(Option::force_terms, setup.contact.is_on() || !setup.pressures.empty() ||
+                                    !setup.stitches.empty() || !setup.attachments.empty() ||
                                     !setup.clips.empty());
+  for_each_tool(static_cast<const ToolSetups&>(setup),
+                [&](const auto& tool) { used.add(Option::force_terms, needs_force_term(tool)); });
   used.add(Option::partly_held, any_partly_held(setup));
   used.add(Option::implicit, setup.integrator == Integrator::generalised_alpha);
   return used;

@@ -14,6 +14,7 @@ struct BringClipApplier {
   ClipShape clip;
   Vec3d position = Vec3d::Zero();           // place of the middle of the clip [m]
   Eigen::Vector4d orientation{0, 0, 0, 1};  // unit quaternion x, y, z, w: axes of ClipShape
+  Eigen::Vector4d turn() const { return orientation; }
   void check(Index vertex_count, const Options& used) const;
   bool operator==(const BringClipApplier&) const = default;
   static constexpr auto fields = std::tuple(&BringClipApplier::name, &BringClipApplier::clip,

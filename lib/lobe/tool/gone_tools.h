@@ -37,9 +37,10 @@ class GoneTools {
   static std::size_t unshared_bytes() { return 0; }
 
  private:
-  std::tuple<SharedChain<Grasp>, SharedChain<Cautery>, SharedChain<Scalpel>, SharedChain<Probe>,
-             SharedChain<ClipApplier>>
-      chains_;
+  template <class... Kind>
+  static std::tuple<SharedChain<Kind>...> chains_of(std::tuple<std::vector<Kind> ToolLists::*...>);
+
+  decltype(chains_of(ToolLists::fields)) chains_;
 };
 
 }  // namespace lobe

@@ -15,6 +15,7 @@ struct BringProbe {
   RigidShape shape;
   ToolPose pose;
   double friction = default_friction;
+  Eigen::Vector4d turn() const { return pose.orientation; }
   void check(Index vertex_count, const Options& used) const;
   bool operator==(const BringProbe&) const = default;
   static constexpr auto fields =

@@ -1,6 +1,5 @@
 // The kinds of tools. Each is a class in a file of its own, and is listed in ToolLists and ToolSetups
-// (setup/tool_setups.h). If hands can bring it, its command is also listed in ToolCommand, and in BringTool
-// unless it is a grasp. All of them have
+// (setup/tool_setups.h); its command is listed in ToolCommand. All of them have
 //
 //   Path             the struct of setup/tool_setups.h from which one is made, Path::type its name in scenes
 //   Bring            the command by which one is made
@@ -14,11 +13,15 @@
 //   add_work(from, to, work)        what it does to the body between two times
 //   append_bodies(from, to, bodies) the rigid bodies with which it touches it; only of kinds that have some
 //   force, torque                   on the body, of those that have some
+//   cut_by(work, way, tip)          adds what its blade has cut in a step; of those that have one, whose
+//                                   `pose` is that of the blade
 //   placed(time, held)              where it is; none: nowhere
 //   fits(vertex_count)              whether it can be one that was kept, with so many vertices now
 #pragma once
 
+#include <tuple>
 #include <variant>
+#include <vector>
 
 #include "lobe/tool/cautery.h"
 #include "lobe/tool/clip_applier.h"
@@ -62,10 +65,29 @@ struct LetGo {
   static constexpr auto fields = std::tuple(&LetGo::tool);
 };
 
-// The commands that add a tool. Each has a name and check(vertex_count, used), and says whether its tool
-// needs the body's grains. The tool's id is tools().next_id().
-using BringTool = std::variant<BringCautery, BringScalpel, BringProbe, BringClipApplier>;
+// The commands that add a tool. Each has a name and check(vertex_count, used), says whether its tool needs
+// the body's grains, and by turn() how the tool is turned at first, where it says so. The tool's id is
+// tools().next_id().
+template <class... Kind>
+std::variant<typename Kind::Bring...> bring_one_of(
+    std::tuple<std::vector<Grasp> ToolLists::*, std::vector<Kind> ToolLists::*...>);  // not defined
+using BringTool = decltype(bring_one_of(ToolLists::fields));                          // all but TakeHold
+
+// Recordings number them in this order: further ones come last.
 using ToolCommand =
     std::variant<TakeHold, BringCautery, BringScalpel, BringProbe, Lead, SwitchTool, LetGo, BringClipApplier>;
+
+// Whether tools of this kind cut with a blade.
+template <class Kind>
+concept HasBlade = requires(Kind tool) {
+  tool.cut_by(CutWork(), Vec3d(), Vec3d());
+};
+
+// Whether a tool of these needs the body's grains.
+inline bool need_grains(const ToolSetups& setups) {
+  return [&]<class... Kind>(std::tuple<std::vector<Kind> ToolLists::*...>) {
+    return ((Kind::Bring::needs_grains && !list_of<typename Kind::Path>(setups).empty()) || ...);
+  }(ToolLists::fields);
+}
 
 }  // namespace lobe

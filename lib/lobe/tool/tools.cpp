@@ -95,9 +95,11 @@ ToolSetups Tools::paths_of(IsWanted&& is_wanted) const {
                        [](const auto& a, const auto& b) { return a.id < b.id; });
   });
   ToolSetups setups;
-  for (const Cautery& tool : all.cauteries)  // the cores of hooks come before other bodies: bodies()
-    if (is_wanted(tool))
-      for (ProbeSetup& path : tool.core_paths()) setups.probes.push_back(std::move(path));
+  for_each_tool(all, [&](const auto& tool) {  // the cores of hooks come before other bodies: bodies()
+    if constexpr (requires { tool.core_paths(); })
+      if (is_wanted(tool))
+        for (ProbeSetup& path : tool.core_paths()) setups.probes.push_back(std::move(path));
+  });
   for_each_pair(all, setups, [&](const auto& tools, auto& paths) {
     for (const auto& tool : tools)
       if (is_wanted(tool))
@@ -171,11 +173,12 @@ const std::vector<ToolBody>& Tools::bodies(double from, double to) {
 
 // ---- A step
 
-void Tools::cut_by(ToolId scalpel, const CutWork& work, const Vec3d& way, const Vec3d& tip) {
-  const auto blade = std::find_if(lists_.scalpels.begin(), lists_.scalpels.end(),
-                                  [&](const Scalpel& each) { return each.id == scalpel; });
-  lobe_assert(blade != lists_.scalpels.end(), "tools: a cut of a scalpel that there is not");
-  blade->cut_by(work, way, tip);
+void Tools::cut_by(ToolId id, const CutWork& work, const Vec3d& way, const Vec3d& tip) {
+  bool is_there = false;
+  visit_in(lists_, id, [&](auto& tool) {
+    if constexpr (HasBlade<decltype(tool)>) tool.cut_by(work, way, tip), is_there = true;
+  });
+  lobe_assert(is_there, "tools: a cut of a blade that there is not");
 }
 
 void Tools::place(double time) {
@@ -217,9 +220,8 @@ void Tools::add_force(const OnTool& on_tool, double dt) {
 void Tools::end_forces(double duration) {
   time_felt_ += duration;
   for_each_tool(lists_, [&](auto& tool) {
-    // The force on a scalpel is that of the tissue that it opens: Scalpel::cut_by().
-    if constexpr (
-        requires { tool.force; } && !requires { tool.way; }) {
+    // The force on a blade is that of the tissue that it opens: Scalpel::cut_by().
+    if constexpr (requires { tool.force; } && !HasBlade<decltype(tool)>) {
       Impulse& impulse = impulses_[place_of(tool.id)];
       const Impulse& of_part = impulses_of_part_[place_of(tool.id)];
       impulse.linear += of_part.linear;

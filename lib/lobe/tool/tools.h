@@ -57,7 +57,7 @@ class Tools {
   ToolWork work(double from, double to) const;
   // The rigid bodies with which tools touch the organ between two times. Valid until tools change.
   const std::vector<ToolBody>& bodies(double from, double to);
-  void cut_by(ToolId scalpel, const CutWork& work, const Vec3d& way, const Vec3d& tip);
+  void cut_by(ToolId id, const CutWork& work, const Vec3d& way, const Vec3d& tip);
 
   // ---- A step
 

@@ -57,8 +57,8 @@ Setup fine_setup(const Case& scene) {
 std::vector<std::string> warnings_of(const Case& scene) {
   std::vector<std::string> warnings;
   for (const Tool& tool : scene.scene.tools)
-    if (tool.type != GraspSetup::type)
-      warnings.push_back("the tool " + tool.name + " is left out: nothing is cut in this comparison");
+    if (!tool.is<GraspSetup>())
+      warnings.push_back("the tool " + tool.name() + " is left out: nothing is cut in this comparison");
   if (scene.meshes.size() > 1 && selects_by_number(scene.scene))
     warnings.push_back(
         "selectors by number or by count mean something else on each mesh: error_total is given for the "

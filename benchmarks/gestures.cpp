@@ -317,8 +317,8 @@ std::vector<GestureRow> play(const Scene& scene, const Resolved& resolved, doubl
 // Grasps move the other way.
 Scene reversed(Scene scene) {
   for (Tool& tool : scene.tools)
-    if (tool.type == GraspSetup::type)
-      for (PathPoint& point : tool.path) point.position = -point.position;
+    if (tool.is<GraspSetup>())
+      for (PathPoint& point : tool.path()) point.position = -point.position;
   return scene;
 }
 

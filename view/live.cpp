@@ -54,7 +54,7 @@ class LiveOf final : public Live {
         session_(setup_, with_skin(session_options(options))),
         published_(options.published) {
     if (!scene.skin.empty()) skin_.emplace(skin_path(scene), setup_.mesh, session_.world());
-    for (const Tool& tool : scene.tools) scene_tools_.insert(tool.name);
+    for (const Tool& tool : scene.tools) scene_tools_.insert(tool.name());
     session_.start();
     measuring_ = std::thread([this] { keep_measuring(); });
   }

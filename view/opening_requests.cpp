@@ -111,7 +111,8 @@ void Viewer::perform(ClientId, const request::Cancel&) {
 Scene Viewer::to_be_saved(Scene scene, const std::filesystem::path& folder, const std::string& stem) const {
   scene = with_absolute_paths(std::move(scene));
   inbox_.keep(scene.skin, folder, stem);
-  for (Tool& tool : scene.tools) inbox_.keep(tool.shape_file, folder, stem);
+  for (Tool& tool : scene.tools)
+    if (std::filesystem::path* file = tool.shape_file()) inbox_.keep(*file, folder, stem);
   for (std::filesystem::path& file : scene.obstacle_files) inbox_.keep(file, folder, stem);
   return scene;
 }

@@ -127,7 +127,7 @@ Scene Painting::scene(const std::filesystem::path& mesh) const {
   set_materials(scene);
   set_fixed(scene);
   for (Tool& tool : scene.tools)
-    if (tool.where) relabel(*tool.where);
+    if (Selector* where = tool.where()) relabel(*where);
   return scene;
 }
 

@@ -274,20 +274,20 @@ TEST_CASE("selections by number follow the refinement, and mean what the geometr
   Scene by_number = parse_scene(turning);
   CHECK_FALSE(selects_by_number(by_number));
   by_number.boundary[0].where = {SelectVertices{select_vertices(face(0), mesh)}};
-  by_number.tools[0].where = {SelectAnyOf{{{SelectNearest{{1, 0.01, 0.01}, 9}}}}};
+  by_number.tools[0].as<GraspSetup>().where = {SelectAnyOf{{{SelectNearest{{1, 0.01, 0.01}, 9}}}}};
   by_number.materials[0].where = {SelectTetrahedra{{3, 100}}};
   by_number.materials.push_back({});
   CHECK(selects_by_number(by_number));
   const Scene fine = prolongated(by_number, mesh, refined);
   CHECK(select_vertices(fine.boundary[0].where, refined.mesh) == select_vertices(face(0), refined.mesh));
-  CHECK(select_vertices(*fine.tools[0].where, refined.mesh) == select_vertices(face(0.06), refined.mesh));
+  CHECK(select_vertices(*fine.tools[0].where(), refined.mesh) == select_vertices(face(0.06), refined.mesh));
   std::vector<Index> children;
   for (Index t = 0; t < refined.mesh.tet_count(); ++t)
     if (refined.parent_of[std::size_t(t)] == 3 || refined.parent_of[std::size_t(t)] == 100)
       children.push_back(t);
   CHECK(select_tets(*fine.materials[0].where, refined.mesh) == children);
   Scene by_count = parse_scene(turning);
-  by_count.tools[0].where = {SelectNearest{{1, 0.01, 0.01}, 4}};
+  by_count.tools[0].as<GraspSetup>().where = {SelectNearest{{1, 0.01, 0.01}, 4}};
   const Accuracy accuracy = measure_accuracy({"count", by_count, {beam(1), mesh}}, 1);
   REQUIRE(accuracy.warnings.size() == 1);
   CHECK(accuracy.warnings[0].find("largest mesh only") != std::string::npos);

@@ -173,8 +173,8 @@ TEST_CASE("a hand parts the beam with a scalpel, without loss, and its scene is 
   CHECK(session.status()->hands.empty());
   const Scene kept = session_scene(played.scene, setup, session);
   REQUIRE(kept.tools.size() == 1);
-  CHECK(kept.tools[0].type == "scalpel");
-  CHECK(kept.tools[0].heels.size() == kept.tools[0].path.size());
+  REQUIRE(kept.tools[0].type() == "scalpel");
+  CHECK(kept.tools[0].as<ScalpelSetup>().heels.size() == kept.tools[0].path().size());
   check_plays_as(kept, session.world());
 }
 

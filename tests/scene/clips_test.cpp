@@ -84,9 +84,9 @@ TEST_CASE("clips and hooks of a scene become tools, and are written as they were
   const Scene again = parse_scene(to_json(scene), duct.folder.path / "again.json");
   CHECK(to_json(again) == to_json(scene));
   CHECK(again.bodies[0].carries == Carries::bile);
-  CHECK(again.tools[0].clip == scene.tools[0].clip);
-  CHECK(again.tools[1].hook == scene.tools[1].hook);
-  CHECK(again.tools[1].core == scene.tools[1].core);
+  CHECK(again.tools[0].as<ClipApplierSetup>().clip == scene.tools[0].as<ClipApplierSetup>().clip);
+  CHECK(again.tools[1].as<CauterySetup>().hook == scene.tools[1].as<CauterySetup>().hook);
+  CHECK(again.tools[1].as<CauterySetup>().core == scene.tools[1].as<CauterySetup>().core);
 }
 
 TEST_CASE("what clips and carriers lack is named with its place") {

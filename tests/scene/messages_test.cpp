@@ -6,6 +6,7 @@
 #include "folder.h"
 #include "lobe/error.h"
 #include "lobe/scene/read_scene.h"
+#include "lobe/scene/tool_kinds.h"
 
 using namespace lobe;
 
@@ -30,7 +31,7 @@ std::string with(const std::string& patch) {
 
 struct Case {
   const char* patch;
-  const char* expected;
+  std::string expected;
 };
 
 void check(const std::vector<Case>& cases) {
@@ -256,16 +257,25 @@ TEST_CASE("a selector is one of fourteen, with sensible values") {
       here + "/any_of/0/not/plane/normal: has length 0, must be above 0");
 }
 
+namespace {
+
+// "grasp", "cautery" … or "clip_applier"
+std::string all_types() {
+  std::vector<std::string> types;
+  for_each_kind_in_scenes([&](const auto& tool) { types.push_back("\"" + std::string(tool.type) + "\""); });
+  std::string text = types.front();
+  for (std::size_t i = 1; i < types.size(); ++i) text += (i + 1 < types.size() ? ", " : " or ") + types[i];
+  return text;
+}
+
+}  // namespace
+
 TEST_CASE("tools need their type's keys and paths that go forward") {
   check({
-      {R"({"tools": [{"path": [[0, 0, 0, 0]]}]})",
-       "/tools/0: needs \"type\": \"grasp\", \"cautery\", \"scalpel\", \"probe\" or \"clip_applier\""},
+      {R"({"tools": [{"path": [[0, 0, 0, 0]]}]})", "/tools/0: needs \"type\": " + all_types()},
       {R"({"tools": [{"type": "gasp"}]})",
-       "/tools/0/type: \"gasp\", must be \"grasp\", \"cautery\", \"scalpel\", \"probe\" or \"clip_applier\"; "
-       "did you mean "
-       "\"grasp\"?"},
-      {R"({"tools": [{"type": 1}]})",
-       "/tools/0/type: 1, must be \"grasp\", \"cautery\", \"scalpel\", \"probe\" or \"clip_applier\""},
+       "/tools/0/type: \"gasp\", must be " + all_types() + "; did you mean \"grasp\"?"},
+      {R"({"tools": [{"type": 1}]})", "/tools/0/type: 1, must be " + all_types()},
       {R"({"tools": [7]})", "/tools/0: 7, must be an object"},
       {R"({"tools": [{"type": "grasp", "where": {"all": true}}]})", "/tools/0: needs \"path\""},
       {R"({"tools": [{"type": "cautery", "path": [[0, 0, 0, 0]]}]})", "/tools/0: needs \"radius\""},

@@ -90,17 +90,17 @@ TEST_CASE("boundary conditions are read") {
 TEST_CASE("tools, time and output are read") {
   const Scene scene = parse_scene(full_scene, "dir/liver.json");
   REQUIRE(scene.tools.size() == 3);
-  CHECK(scene.tools[0].type == "grasp");
-  CHECK(scene.tools[0].release);
-  CHECK(scene.tools[0].path.at(1).time == 1);
-  CHECK(scene.tools[0].path.at(1).position == Vec3d(0, 0.05, 0.02));
-  CHECK(scene.tools[1].type == "cautery");
-  CHECK(scene.tools[1].name == "cautery");
-  CHECK(scene.tools[1].radius == 0.006);
-  CHECK(scene.tools[2].type == "scalpel");
-  CHECK(scene.tools[2].snap == 0.2);
-  CHECK(scene.tools[2].path.at(1).position == Vec3d(0.03, 0.05, 0));
-  CHECK(scene.tools[2].heels == std::vector<Vec3d>{{0.04, -0.05, 0.1}, {0.04, 0.05, 0.1}});
+  CHECK(scene.tools[0].type() == "grasp");
+  CHECK(scene.tools[0].as<GraspSetup>().release);
+  CHECK(scene.tools[0].path().at(1).time == 1);
+  CHECK(scene.tools[0].path().at(1).position == Vec3d(0, 0.05, 0.02));
+  CHECK(scene.tools[1].type() == "cautery");
+  CHECK(scene.tools[1].name() == "cautery");
+  CHECK(scene.tools[1].as<CauterySetup>().radius == 0.006);
+  CHECK(scene.tools[2].type() == "scalpel");
+  CHECK(scene.tools[2].as<ScalpelSetup>().snap == 0.2);
+  CHECK(scene.tools[2].path().at(1).position == Vec3d(0.03, 0.05, 0));
+  CHECK(scene.tools[2].as<ScalpelSetup>().heels == std::vector<Vec3d>{{0.04, -0.05, 0.1}, {0.04, 0.05, 0.1}});
   CHECK(scene.name == "liver");
   CHECK(mesh_path(scene) == std::filesystem::path("dir/meshes/liver.vtu"));
   CHECK(scene.mesh_scale == 0.001);
@@ -140,7 +140,7 @@ TEST_CASE("with absolute paths a scene names the same files in any folder") {
   const std::filesystem::path folder = std::filesystem::current_path() / "dir";
   CHECK(mesh_path(moved) == folder / "a.vtu");
   CHECK(skin_path(moved) == folder / "b.obj");
-  CHECK(moved.tools.at(0).shape_file == folder / "shapes/tip.obj");
+  CHECK(moved.tools.at(0).as<ProbeSetup>().shape_file == folder / "shapes/tip.obj");
   CHECK(moved.obstacle_files == std::vector<std::filesystem::path>{"/d.obj", ""});
   const Scene plain = with_absolute_paths(
       parse_scene(R"({"mesh": "a.vtu", "materials": [{"lame_lambda": 1, "lame_mu": 1}]})", "scene.json"));

@@ -45,10 +45,11 @@ TEST_CASE("a blade that is the same all along is said once, and is the same tool
       scene_with(R"("blade": [0, 0, 0.04], "path": [[0.5, 0.03, -0.05, 0.01], [1, 0.03, 0.05, 0.01]])");
   const Scene longer = scene_with(
       R"("path": [[0.5, 0.03, -0.05, 0.01, 0.03, -0.05, 0.05], [1, 0.03, 0.05, 0.01, 0.03, 0.05, 0.05]])");
-  REQUIRE(shorter.tools[0].heels.size() == 2);
+  const SceneScalpel &once = shorter.tools[0].as<ScalpelSetup>(), &twice = longer.tools[0].as<ScalpelSetup>();
+  REQUIRE(once.heels.size() == 2);
   for (int i = 0; i < 2; ++i) {
-    CHECK((shorter.tools[0].heels[i] - longer.tools[0].heels[i]).norm() < 1e-15);
-    CHECK(shorter.tools[0].path[i].position == longer.tools[0].path[i].position);
+    CHECK((once.heels[i] - twice.heels[i]).norm() < 1e-15);
+    CHECK(once.path[i].position == twice.path[i].position);
   }
 }
 
@@ -62,7 +63,8 @@ TEST_CASE("surface, fracture energy and the step that cuts leave come from the s
     CHECK(setup.materials[0].fracture_energy == 120);
     CHECK(setup.cut_step == 0.5);
   }
-  CHECK(scene_with(R"("path": [[0, 0, 0, 0, 0, 0, 1]])").tools[0].surface == CutSurface::smooth);
+  CHECK(scene_with(R"("path": [[0, 0, 0, 0, 0, 0, 1]])").tools[0].as<ScalpelSetup>().surface ==
+        CutSurface::smooth);
 }
 
 TEST_CASE(

@@ -147,6 +147,18 @@ ordered_json completed(ordered_json definition, const Rows& table) {
   return definition;
 }
 
+// All that a scene says of a tool of a kind.
+template <class Said>
+ordered_json schema_of_tool() {
+  const ordered_json start = {{"type", "object"},
+                              {"additionalProperties", false},
+                              {"required", {"type"}},
+                              {"properties",
+                               {{"name", {{"type", "string"}, {"description", "Default: the type."}}},
+                                {"type", {{"const", Said::type}}}}}};
+  return completed<Said>(start, keys::table_of<Said>);
+}
+
 // ---- JSON as people write it.
 
 inline std::string in_one_line(const ordered_json& value) {

@@ -84,13 +84,15 @@ Scene with_gestures(Scene scene, double tolerance) {
   AutoRegions regions;
   regions.tolerance = tolerance;
   for (const Tool& tool : scene.tools) {
+    if (!tool.is<GraspSetup>()) continue;
+    const SceneGrasp& grasp = tool.as<GraspSetup>();
     const auto furthest = std::max_element(
-        tool.path.begin(), tool.path.end(),
+        grasp.path.begin(), grasp.path.end(),
         [](const PathPoint& a, const PathPoint& b) { return a.position.norm() < b.position.norm(); });
     const bool holds_copies_alone =
-        !tool.copies.empty() && std::holds_alternative<SelectNot>(tool.where->value);
-    if (tool.type == GraspSetup::type && !holds_copies_alone && !furthest->position.isZero(0))
-      regions.gestures.push_back({tool.name, *tool.where, false, furthest->position, ""});
+        !grasp.copies.empty() && std::holds_alternative<SelectNot>(grasp.where->value);
+    if (!holds_copies_alone && !furthest->position.isZero(0))
+      regions.gestures.push_back({grasp.name, *grasp.where, false, furthest->position, ""});
   }
   scene.regions.clear();
   scene.auto_regions = regions;

@@ -16,7 +16,8 @@ class GroupBinder {
     each(scene.materials, "/materials/");
     each(scene.regions, "/regions/");
     each(scene.boundary, "/boundary/");
-    each(scene.tools, "/tools/");
+    for (std::size_t i = 0; i < scene.tools.size(); ++i)
+      if (Selector* where = scene.tools[i].where()) bind(*where, "/tools/" + std::to_string(i) + "/where");
     if (scene.auto_regions) each(scene.auto_regions->gestures, "/regions/auto/gestures/");
     for (std::size_t i = 0; i < scene.materials.size(); ++i)
       if (auto* field = harmonic(scene.materials[i])) {

@@ -1,7 +1,7 @@
+#include "lobe/scene/cautery_kind.h"
+
 #include <Eigen/Geometry>
 #include <algorithm>
-
-#include "lobe/scene/tool_kinds.h"
 
 namespace lobe {
 namespace {
@@ -34,7 +34,7 @@ double reach_of(const Scene& scene, const TetMesh& mesh) {
   return is_moved ? (box.max - box.min).norm() : 0;
 }
 
-bool passes_near(const Tool& tool, const TetMesh& mesh, double reach) {
+bool passes_near(const CauterySetup& tool, const TetMesh& mesh, double reach) {
   const Box box = bounding_box(mesh);
   const double margin = tool.radius + tool.hook.norm() + reach;
   const Vec3d low = box.min.array() - margin, high = box.max.array() + margin;
@@ -45,56 +45,36 @@ bool passes_near(const Tool& tool, const TetMesh& mesh, double reach) {
   return false;
 }
 
-void check_core(Resolution& resolution, const Tool& tool, const std::string& here) {
+void check_core(Resolution& resolution, const CauterySetup& tool, const std::string& here) {
   if (!(tool.core < tool.radius))
     resolution.fail(here + "/core", rounded(tool.core) + " m, must be below the radius, " +
                                         rounded(tool.radius) + " m: what it touches is to burn");
 }
 
-void resolve_cautery(Resolution& resolution, const Tool& tool, const std::string& here) {
+}  // namespace
+
+void KindOf<CauterySetup>::resolve(Resolution& resolution, CauterySetup& tool, const std::string& here) {
   check_core(resolution, tool, here);
-  resolution.result.setup.cauteries.push_back({tool.name, tool.radius, tool.path, tool.hook, tool.core});
   if (!passes_near(tool, resolution.mesh(), reach_of(resolution.scene, resolution.mesh())))
     resolution.warn(here + "/path", "never comes within its radius of the mesh's bounding box");
 }
 
-BringTool bring_cautery(Resolution& resolution, const Tool& tool, const std::string& here) {
+BringTool KindOf<CauterySetup>::bring(Resolution& resolution, const CauterySetup& tool,
+                                      const std::string& here) {
   check_core(resolution, tool, here);
   const PathPoint& at = tool.path.front();
   return BringCautery{tool.name, tool.radius, at.position, Eigen::Quaterniond(at.orientation) * tool.hook,
                       tool.core};
 }
 
-void summarise_cautery(const Setup& setup, std::size_t number, nlohmann::ordered_json& entry) {
-  const CauterySetup& cautery = setup.cauteries[number];
-  entry["radius_m"] = cautery.radius;
-  if (cautery.hook != Vec3d::Zero()) entry["hook_m"] = cautery.hook.norm();
+void KindOf<CauterySetup>::summarise(const CauterySetup& setup, nlohmann::ordered_json& entry) {
+  entry["radius_m"] = setup.radius;
+  if (setup.hook != Vec3d::Zero()) entry["hook_m"] = setup.hook.norm();
 }
 
-void append_cauteries(const ToolSetups& done, Index, std::vector<Tool>& tools) {
-  for (const CauterySetup& cautery : done.cauteries) {
-    Tool& tool = tools.emplace_back();
-    tool.name = cautery.name;
-    tool.type = CauterySetup::type;
-    tool.radius = cautery.radius;
-    tool.hook = cautery.hook;
-    tool.core = cautery.core;
-    tool.path = cautery.path;
-  }
+std::string KindOf<CauterySetup>::describe(const nlohmann::ordered_json& entry) {
+  const std::string tip = "radius " + rounded(entry["radius_m"]) + " m";
+  return entry.contains("hook_m") ? tip + ", a hook of " + rounded(entry["hook_m"]) + " m" : tip;
 }
-
-}  // namespace
-
-extern const ToolKind cautery_kind;
-const ToolKind cautery_kind{CauterySetup::type,
-                            "4 numbers, time and place of the tip, or 8 with a quaternion",
-                            read_keys_of<keys::cautery_keys>,
-                            write_keys_of<keys::cautery_keys>,
-                            read_turning_row,
-                            write_turning_row,
-                            resolve_cautery,
-                            bring_cautery,
-                            summarise_cautery,
-                            append_cauteries};
 
 }  // namespace lobe

@@ -32,8 +32,9 @@ class MeaningChecker {
       check_boundary(scene_.boundary[i], child_pointer("/boundary", i));
     }
     for (std::size_t i = 0; i < scene_.tools.size(); ++i) {
-      check_where(scene_.tools[i].where, child_pointer("/tools", i));
-      check_path(scene_.tools[i].path, child_pointer("/tools", i) + "/path");
+      const std::string place = child_pointer("/tools", i);
+      if (const Selector* where = scene_.tools[i].where()) check_selector(*where, place + "/where");
+      check_path(scene_.tools[i].path(), place + "/path");
     }
     for (std::size_t i = 0; i < scene_.attachments.size(); ++i)
       check_attachment(i, child_pointer("/attachments", i));

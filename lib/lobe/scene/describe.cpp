@@ -7,6 +7,7 @@
 #include "lobe/scene/pace_text.h"
 #include "lobe/scene/resolve_parts.h"
 #include "lobe/scene/summary.h"
+#include "lobe/scene/tool_kinds.h"
 #include "lobe/text.h"
 
 namespace lobe {
@@ -107,22 +108,8 @@ void print_loads(std::ostream& out, const ordered_json& summary) {
 void print_tools(std::ostream& out, const ordered_json& tools) {
   for (const ordered_json& tool : tools) {
     out << "tool       " << tool["name"].get<std::string>() << ": " << tool["type"].get<std::string>() << ", "
-        << rounded(tool["from_s"]) << " to " << rounded(tool["to_s"]) << " s, ";
-    if (tool.contains("vertices")) {
-      out << tool["vertices"] << " vertices" << (tool["release"].get<bool>() ? ", then released" : "")
-          << "\n";
-    } else if (tool.contains("shape")) {
-      out << tool["shape"].get<std::string>() << ", friction " << rounded(tool["friction"]) << "\n";
-    } else if (tool.contains("snap")) {
-      out << (tool["surface"] == "faces" ? "along faces" : "snap " + rounded(tool["snap"])) << "\n";
-    } else if (tool.contains("clips")) {
-      out << counted(tool["clips"].get<std::size_t>(), "clip", "clips") << " of " << rounded(tool["length_m"])
-          << " m, from " << rounded(tool["opening_m"]) << " to " << rounded(tool["gap_m"]) << " m\n";
-    } else {
-      out << "radius " << rounded(tool["radius_m"]) << " m";
-      if (tool.contains("hook_m")) out << ", a hook of " << rounded(tool["hook_m"]) << " m";
-      out << "\n";
-    }
+        << rounded(tool["from_s"]) << " to " << rounded(tool["to_s"]) << " s, " << describe_tool(tool)
+        << "\n";
   }
 }
 

@@ -22,7 +22,7 @@ void for_each_selector(SceneType& scene, const Visit& visit) {
     if (region.where) visit(*region.where, true);
   for (auto& boundary : scene.boundary) visit(boundary.where, false);
   for (auto& tool : scene.tools)
-    if (tool.where) visit(*tool.where, false);
+    if (auto* where = tool.where()) visit(*where, false);
   for (auto& attachment : scene.attachments)
     if (auto* bed = std::get_if<SceneBed>(&attachment.what)) {
       visit(bed->from, false);

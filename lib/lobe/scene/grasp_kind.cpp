@@ -1,14 +1,15 @@
+#include "lobe/scene/grasp_kind.h"
+
 #include <algorithm>
 #include <set>
 
 #include "lobe/scene/select_shares.h"
-#include "lobe/scene/tool_kinds.h"
 
 namespace lobe {
 namespace {
 
 // They are numbered after the vertices of the mesh, in the order in which cuts make them.
-void add_copies(Resolution& resolution, const Tool& tool, const std::string& place,
+void add_copies(Resolution& resolution, const SceneGrasp& tool, const std::string& place,
                 std::vector<Index>& vertices) {
   std::vector<Index> copies = tool.copies;
   std::sort(copies.begin(), copies.end());
@@ -25,7 +26,7 @@ struct Grasped {
   std::vector<double> shares;  // none: all wholly
 };
 
-Grasped select_grasped(const Setup& setup, const Tool& tool, const std::string& place) {
+Grasped select_grasped(const Setup& setup, const SceneGrasp& tool, const std::string& place) {
   if (tool.hold_by == HoldBy::vertices) return {select_vertices(*tool.where, setup.mesh, place), {}};
   Grasped grasped;
   for (const auto& [vertex, share] : select_shares(*tool.where, setup.mesh, tool.hold_by, place)) {
@@ -35,8 +36,15 @@ Grasped select_grasped(const Setup& setup, const Tool& tool, const std::string& 
   return grasped;
 }
 
-void resolve_grasp(Resolution& resolution, const Tool& tool, const std::string& here) {
-  Setup& setup = resolution.result.setup;
+Selector all_of(std::vector<Index> vertices) {
+  if (!vertices.empty()) return {SelectVertices{std::move(vertices)}};
+  return {SelectNot{{Selector{SelectAll{}}}}};
+}
+
+}  // namespace
+
+void KindOf<SceneGrasp>::resolve(Resolution& resolution, SceneGrasp& tool, const std::string& here) {
+  const Setup& setup = resolution.result.setup;
   const std::size_t before = resolution.faults.size();
   auto [vertices, shares] = resolution.selected([&] { return select_grasped(setup, tool, here + "/where"); });
   if (vertices.empty() && !tool.copies.empty() && resolution.scene.auto_regions)
@@ -56,44 +64,23 @@ void resolve_grasp(Resolution& resolution, const Tool& tool, const std::string& 
   }
   add_copies(resolution, tool, here + "/copies", vertices);
   if (!shares.empty()) shares.resize(vertices.size(), 1);  // copies are grasped wholly
-  setup.grasps.push_back({tool.name, vertices, tool.path, tool.release, shares});
+  tool.vertices = std::move(vertices);
+  tool.shares = std::move(shares);
 }
 
-void summarise_grasp(const Setup& setup, std::size_t number, nlohmann::ordered_json& entry) {
-  entry["vertices"] = setup.grasps[number].vertices.size();
-  entry["release"] = setup.grasps[number].release;
+void KindOf<SceneGrasp>::summarise(const GraspSetup& setup, nlohmann::ordered_json& entry) {
+  entry["vertices"] = setup.vertices.size();
+  entry["release"] = setup.release;
 }
 
-Selector all_of(std::vector<Index> vertices) {
-  if (!vertices.empty()) return {SelectVertices{std::move(vertices)}};
-  return {SelectNot{{Selector{SelectAll{}}}}};
+std::string KindOf<SceneGrasp>::describe(const nlohmann::ordered_json& entry) {
+  return std::to_string(entry["vertices"].get<std::size_t>()) + " vertices" +
+         (entry["release"].get<bool>() ? ", then released" : "");
 }
 
-void append_grasps(const ToolSetups& done, Index mesh_vertices, std::vector<Tool>& tools) {
-  for (const GraspSetup& grasp : done.grasps) {
-    Tool& tool = tools.emplace_back();
-    tool.name = grasp.name;
-    tool.type = GraspSetup::type;
-    tool.path = grasp.path;
-    tool.release = grasp.release;
-    const auto copies = std::lower_bound(grasp.vertices.begin(), grasp.vertices.end(), mesh_vertices);
-    tool.where = all_of({grasp.vertices.begin(), copies});
-    tool.copies = {copies, grasp.vertices.end()};
-  }
+SceneGrasp KindOf<SceneGrasp>::from_setup(const GraspSetup& setup, Index mesh_vertices) {
+  const auto copies = std::lower_bound(setup.vertices.begin(), setup.vertices.end(), mesh_vertices);
+  return {setup, all_of({setup.vertices.begin(), copies}), HoldBy::vertices, {copies, setup.vertices.end()}};
 }
-
-}  // namespace
-
-extern const ToolKind grasp_kind;
-const ToolKind grasp_kind{GraspSetup::type,
-                          "4 numbers, or 8 with a quaternion",
-                          read_keys_of<keys::grasp_keys>,
-                          write_keys_of<keys::grasp_keys>,
-                          read_turning_row,
-                          write_turning_row,
-                          resolve_grasp,
-                          nullptr,
-                          summarise_grasp,
-                          append_grasps};
 
 }  // namespace lobe

@@ -41,13 +41,16 @@ ParsedTool parse_tool(std::string_view text, const std::filesystem::path& folder
   try {
     const Scene scene = read_document(document, folder / "tool.json");
     const Tool& tool = scene.tools.front();
-    const ToolKind& kind = kind_of(tool);
-    if (!kind.bring)
-      throw InputError(std::string(place_in_scene) + "/type",
-                       "a hand takes hold of vertices, and cannot bring a " + tool.type);
     Resolution resolution{scene, {}, {}};
-    const ParsedTool found{kind.bring(resolution, tool, std::string(place_in_scene)),
-                           tool.path.front().position};
+    const std::string place(place_in_scene);
+    const auto bring = [&]<class Said>(const Said& said) -> BringTool {
+      if constexpr (requires { KindOf<Said>::bring(resolution, said, place); })
+        return KindOf<Said>::bring(resolution, said, place);
+      else
+        throw InputError(place + "/type",
+                         "a hand takes hold of vertices, and cannot bring a " + std::string(Said::type));
+    };
+    const ParsedTool found{std::visit(bring, tool.kind), tool.path().front().position};
     if (!resolution.faults.empty()) throw InputError(std::move(resolution.faults));
     return found;
   } catch (const InputError& error) {

@@ -18,7 +18,6 @@
 #include "lobe/scene/scene_document.h"
 #include "lobe/scene/scene_keys.h"
 #include "lobe/scene/tissues.h"
-#include "lobe/scene/tool_kinds.h"
 
 namespace lobe {
 namespace {
@@ -95,22 +94,6 @@ void keys::Form<Material>::read(const json& given, Material& material, const std
     throw InputError(place + "/viscosity", fault);
 }
 
-void keys::Form<Tool>::read(const json& given, Tool& tool, const std::string& place) {
-  tool.type = given["type"];
-  tool.name = given.value("name", tool.type);
-  tool.pointer = place;
-  const ToolKind& kind = kind_of(tool);
-  kind.read(given, tool);
-  for (const json& row : given["path"]) {
-    PathPoint& point = tool.path.emplace_back();
-    point.time = row[0].get<double>();
-    point.position = read_vector(row, 1);
-    if (!kind.read_row(row, tool))
-      throw InputError(place + "/path/" + std::to_string(tool.path.size() - 1),
-                       "a row has " + std::string(kind.row) + ", not " + std::to_string(row.size()));
-  }
-}
-
 Scene read_scene(const std::filesystem::path& file) {
   std::error_code error;
   const auto size = std::filesystem::file_size(file, error);
@@ -160,7 +143,8 @@ Scene with_absolute_paths(Scene scene) {
   complete(scene.mesh);
   for (SceneBody& body : scene.bodies) complete(body.mesh);
   complete(scene.skin);
-  for (Tool& tool : scene.tools) complete(tool.shape_file);
+  for (Tool& tool : scene.tools)
+    if (std::filesystem::path* file = tool.shape_file()) complete(*file);
   for (std::filesystem::path& file : scene.obstacle_files) complete(file);
   return scene;
 }

@@ -24,15 +24,17 @@ std::vector<std::string> joined(std::vector<std::string> first, const std::vecto
   return first;
 }
 
-template <class Entry>
-bool holds_partly(const Entry& entry) {
-  return entry.hold_by != HoldBy::vertices;
+bool holds_partly(const Boundary& entry) { return entry.hold_by != HoldBy::vertices; }
+bool grasps_partly(const Tool& tool) {
+  return tool.is<GraspSetup>() && tool.as<GraspSetup>().hold_by != HoldBy::vertices;
 }
 
 std::vector<std::string> places_of_force_terms(const Scene& scene) {
-  const auto is_probe = [](const Tool& tool) { return tool.type == ProbeSetup::type; };
+  const auto pushes = [](const Tool& tool) {
+    return std::visit([](const auto& kind) { return needs_force_term(kind); }, tool.kind);
+  };
   const auto is_pressure = [](const Boundary& entry) { return entry.kind == Boundary::Kind::pressure; };
-  return joined(joined(places_in(scene.tools, "/tools", "type", is_probe),
+  return joined(joined(places_in(scene.tools, "/tools", "type", pushes),
                        places_in(scene.boundary, "/boundary", "pressure", is_pressure)),
                 joined(joined(place_if(scene.contact.is_on(), "/contact"),
                               place_if(!scene.threads.empty(), "/threads")),
@@ -76,8 +78,8 @@ std::vector<std::string> places_of(const Scene& scene, Option option) {
     case Option::force_terms:
       return places_of_force_terms(scene);
     case Option::partly_held:
-      return joined(places_in(scene.boundary, "/boundary", "hold_by", holds_partly<Boundary>),
-                    places_in(scene.tools, "/tools", "hold_by", holds_partly<Tool>));
+      return joined(places_in(scene.boundary, "/boundary", "hold_by", holds_partly),
+                    places_in(scene.tools, "/tools", "hold_by", grasps_partly));
     case Option::expandable:
     case Option::single_precision:
     case Option::static_solution:

@@ -1,4 +1,5 @@
 #include <cmath>
+#include <utility>
 
 #include "lobe/scene/read_shape.h"
 #include "lobe/scene/tool_kinds.h"
@@ -10,8 +11,12 @@ void resolve_tools(Resolution& resolution) {
   for (std::size_t i = 0; i < scene.tools.size(); ++i) {
     const Tool& tool = scene.tools[i];
     const std::string here = "/tools/" + std::to_string(i);
-    kind_of(tool).resolve(resolution, tool, here);
-    const double end = tool.path.back().time;
+    const auto resolve = [&]<class Said>(Said said) {
+      KindOf<Said>::resolve(resolution, said, here);
+      list_of<typename KindOf<Said>::ToolSetup>(resolution.result.setup).push_back(std::move(said));
+    };
+    std::visit(resolve, tool.kind);
+    const double end = tool.path().back().time;
     if (end > scene.time.duration) {
       resolution.warn(here + "/path", "ends at " + rounded(end) + " s, after the run's duration of " +
                                           rounded(scene.time.duration) + " s");

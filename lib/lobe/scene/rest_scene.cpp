@@ -48,7 +48,9 @@ class Freezer {
         vertices(entry.where);
     });
     each(scene.tools, "/tools/", [&](Tool& tool) {
-      if (tool.where && tool.hold_by == HoldBy::vertices) vertices(*tool.where);
+      if (!tool.is<GraspSetup>()) return;
+      SceneGrasp& grasp = tool.as<GraspSetup>();
+      if (grasp.where && grasp.hold_by == HoldBy::vertices) vertices(*grasp.where);
     });
     each(scene.attachments, "/attachments/", [&](SceneAttachment& attachment) {
       auto* bed = std::get_if<SceneBed>(&attachment.what);

@@ -1,9 +1,10 @@
+#include "lobe/scene/scalpel_kind.h"
+
 #include <algorithm>
 #include <limits>
 
 #include "lobe/diagnostics/locate.h"
 #include "lobe/scalpel/far_move.h"
-#include "lobe/scene/tool_kinds.h"
 
 namespace lobe {
 namespace {
@@ -17,23 +18,12 @@ double mean_edge(const TetMesh& mesh) {  // [m]
   return sum / (6.0 * mesh.tet_count());
 }
 
-bool read_scalpel_row(const nlohmann::json& row, Tool& tool) {
-  if (row.size() != (tool.blade ? 4 : 7)) return false;
-  tool.heels.push_back(tool.blade ? Vec3d(tool.path.back().position + *tool.blade) : read_vector(row, 4));
-  return true;
-}
-
-void write_scalpel_row(const Tool& tool, std::size_t number, nlohmann::ordered_json& row) {
-  const Vec3d& heel = tool.heels[number];
-  row.insert(row.end(), {heel[0], heel[1], heel[2]});
-}
-
 // Lengths of the blade, and how far an end of it goes in a second, at most [m].
 struct Extent {
   double shortest = std::numeric_limits<double>::infinity(), longest = 0, speed = 0;
 };
 
-Extent extent_of(const Tool& tool) {
+Extent extent_of(const SceneScalpel& tool) {
   Extent extent;
   for (std::size_t i = 0; i < tool.heels.size(); ++i) {
     const double length = (tool.heels[i] - tool.path[i].position).norm();
@@ -48,7 +38,7 @@ Extent extent_of(const Tool& tool) {
 }
 
 // Whether the box of what it sweeps meets that of the mesh.
-bool comes_near(const Tool& tool, const TetMesh& mesh) {
+bool comes_near(const SceneScalpel& tool, const TetMesh& mesh) {
   const Box box = bounding_box(mesh);
   Vec3d low = tool.heels.front(), high = low;
   for (std::size_t i = 0; i < tool.heels.size(); ++i)
@@ -60,7 +50,7 @@ bool comes_near(const Tool& tool, const TetMesh& mesh) {
 }
 
 // Whether its first place is inside the body, as long as that lies where it is at rest.
-bool begins_inside(const Tool& tool, const Scene& scene, const TetMesh& mesh) {
+bool begins_inside(const SceneScalpel& tool, const Scene& scene, const TetMesh& mesh) {
   const bool may_have_moved = scene.gravity != Vec3d::Zero() || scene.tools.size() > 1;
   if (may_have_moved && tool.path.front().time > 0) return false;
   const Locator locator(mesh);
@@ -69,12 +59,25 @@ bool begins_inside(const Tool& tool, const Scene& scene, const TetMesh& mesh) {
   return is_inside(tip) && is_inside(heel) && is_inside((tip + heel) / 2);
 }
 
-void resolve_scalpel(Resolution& resolution, const Tool& tool, const std::string& here) {
+}  // namespace
+
+bool KindOf<SceneScalpel>::read_row(const nlohmann::json& row, SceneScalpel& tool) {
+  if (row.size() != (tool.blade ? 4 : 7)) return false;
+  tool.heels.push_back(tool.blade ? Vec3d(tool.path.back().position + *tool.blade) : read_vector(row, 4));
+  return true;
+}
+
+void KindOf<SceneScalpel>::write_row(const SceneScalpel& tool, std::size_t number,
+                                     nlohmann::ordered_json& row) {
+  const Vec3d& heel = tool.heels[number];
+  row.insert(row.end(), {heel[0], heel[1], heel[2]});
+}
+
+void KindOf<SceneScalpel>::resolve(Resolution& resolution, SceneScalpel& tool, const std::string& here) {
   for (std::size_t i = 0; i < tool.heels.size(); ++i)
     if (tool.heels[i] == tool.path[i].position)
       resolution.fail(here + "/path/" + std::to_string(i), "tip and heel are the same point");
-  resolution.result.setup.scalpels.push_back(
-      {tool.name, tool.snap, tool.path, tool.heels, tool.surface == CutSurface::faces});
+  tool.along_faces = tool.surface == CutSurface::faces;
   const auto warn = [&](const std::string& text) { resolution.warn(here + "/path", text); };
   const Extent extent = extent_of(tool);
   const double edge = mean_edge(resolution.mesh()), in_a_frame = extent.speed * resolution.scene.time.frame;
@@ -95,42 +98,24 @@ void resolve_scalpel(Resolution& resolution, const Tool& tool, const std::string
         "nothing. Begin with the heel outside");
 }
 
-BringTool bring_scalpel(Resolution&, const Tool& tool, const std::string&) {
+BringTool KindOf<SceneScalpel>::bring(Resolution&, const SceneScalpel& tool, const std::string&) {
   return BringScalpel{tool.name,
                       {tool.path.front().position, tool.heels.front()},
                       tool.snap,
                       tool.surface == CutSurface::faces};
 }
 
-void summarise_scalpel(const Setup& setup, std::size_t number, nlohmann::ordered_json& entry) {
-  entry["surface"] = setup.scalpels[number].along_faces ? "faces" : "smooth";
-  entry["snap"] = setup.scalpels[number].snap;
+void KindOf<SceneScalpel>::summarise(const ScalpelSetup& setup, nlohmann::ordered_json& entry) {
+  entry["surface"] = setup.along_faces ? "faces" : "smooth";
+  entry["snap"] = setup.snap;
 }
 
-void append_scalpels(const ToolSetups& done, Index, std::vector<Tool>& tools) {
-  for (const ScalpelSetup& scalpel : done.scalpels) {
-    Tool& tool = tools.emplace_back();
-    tool.name = scalpel.name;
-    tool.type = ScalpelSetup::type;
-    tool.snap = scalpel.snap;
-    tool.path = scalpel.path;
-    tool.heels = scalpel.heels;
-    tool.surface = CutSurface(scalpel.along_faces);
-  }
+std::string KindOf<SceneScalpel>::describe(const nlohmann::ordered_json& entry) {
+  return entry["surface"] == "faces" ? "along faces" : "snap " + rounded(entry["snap"]);
 }
 
-}  // namespace
-
-extern const ToolKind scalpel_kind;
-const ToolKind scalpel_kind{ScalpelSetup::type,
-                            "7 numbers: time, tip and heel, or 4 where there is a \"blade\": time and tip",
-                            read_keys_of<keys::scalpel_keys>,
-                            write_keys_of<keys::scalpel_keys>,
-                            read_scalpel_row,
-                            write_scalpel_row,
-                            resolve_scalpel,
-                            bring_scalpel,
-                            summarise_scalpel,
-                            append_scalpels};
+SceneScalpel KindOf<SceneScalpel>::from_setup(const ScalpelSetup& setup, Index) {
+  return {setup, {}, CutSurface(setup.along_faces)};
+}
 
 }  // namespace lobe

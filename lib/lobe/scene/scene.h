@@ -176,26 +176,86 @@ struct Boundary {
 // A cut by a scalpel: through tetrahedra where the blade goes, or along faces that the mesh has.
 enum class CutSurface : bool { smooth, faces };
 
+// What a scene says of a tool: its setup, and of some kinds more, from which the setup follows.
+struct SceneGrasp : GraspSetup {
+  std::optional<Selector> where;      // vertices of which it takes hold
+  HoldBy hold_by = HoldBy::vertices;  // part of these that it holds
+  std::vector<Index> copies;          // vertices that earlier cuts make, numbered after the mesh's
+};
+struct SceneScalpel : ScalpelSetup {
+  std::optional<Vec3d> blade;               // vector from tip to heel, where the file says it once [m]
+  CutSurface surface = CutSurface::smooth;  // what it opens
+};
+struct SceneProbe : ProbeSetup {          // its shape is empty while it is a mesh in a file
+  std::filesystem::path shape_file = {};  // file of its shape, absolute or relative to the scene file
+};
+template <class Setup>
+struct InScene {
+  using Type = Setup;
+};
+template <>
+struct InScene<GraspSetup> {
+  using Type = SceneGrasp;
+};
+template <>
+struct InScene<ScalpelSetup> {
+  using Type = SceneScalpel;
+};
+template <>
+struct InScene<ProbeSetup> {
+  using Type = SceneProbe;
+};
+template <class... Setup>
+std::variant<typename InScene<Setup>::Type...> one_in_scene(
+    std::tuple<std::vector<Setup> ToolSetups::*...>);  // not defined
+
 struct Tool {
-  std::string name;
-  std::string type = GraspSetup::type;  // name of a kind in tool_kinds.h
-  std::optional<Selector> where;        // grasp: vertices of which it takes hold
-  HoldBy hold_by = HoldBy::vertices;    // grasp: part of these that it holds
-  std::vector<Index> copies;            // grasp: vertices that earlier cuts make, numbered after the mesh's
-  double radius = 0;                    // cautery: radius of its spherical tip [m]
-  Vec3d hook = Vec3d::Zero();  // cautery: vector from its tip to the end of its hook [m]; zero: it has none
-  double core = 0;             // cautery: radius of the rigid wire in it [m]
-  ClipShape clip;              // clip applier
-  double snap = 0.1;           // scalpel: a vertex nearer to the cut than this share of its edges lies on it
-  std::vector<Vec3d> heels;    // scalpel: heels, one for each row of its path [m]
-  std::optional<Vec3d> blade;  // scalpel: vector from tip to heel, where the file says it once [m]
-  CutSurface surface = CutSurface::smooth;  // scalpel: what it opens
-  RigidShape shape;                         // probe: its shape; empty while it is a mesh in a file
-  std::filesystem::path shape_file;    // probe: file of its shape, absolute or relative to the scene file
-  double friction = default_friction;  // probe: friction against tissue [-]
-  std::vector<PathPoint> path;         // path: times increase strictly; it acts from the first to the last
-  bool release = false;  // grasp, probe: whether it lets go after the last path point, or holds on
+  decltype(one_in_scene(ToolSetups::fields)) kind;  // one for each kind of tool (tool_kinds.h)
   std::string pointer;
+
+  template <class Setup>
+  bool is() const {
+    return std::holds_alternative<typename InScene<Setup>::Type>(kind);
+  }
+  template <class Setup>
+  const auto& as() const {
+    return std::get<typename InScene<Setup>::Type>(kind);
+  }
+  template <class Setup>
+  auto& as() {
+    return std::get<typename InScene<Setup>::Type>(kind);
+  }
+  std::string type() const {
+    return std::visit([]<class Kind>(const Kind&) { return Kind::type; }, kind);
+  }
+  const std::string& name() const {
+    return std::visit([](const auto& tool) -> const std::string& { return tool.name; }, kind);
+  }
+  // Times increase strictly. It acts from the first to the last.
+  const std::vector<PathPoint>& path() const {
+    return std::visit(
+        [](const auto& tool) -> const auto& { return tool.path; }, kind);
+  }
+  std::vector<PathPoint>& path() {
+    return std::visit(
+        [](auto& tool) -> auto& { return tool.path; }, kind);
+  }
+  const Selector* where() const { return const_cast<Tool*>(this)->where(); }  // null: it has none
+  Selector* where() {
+    const auto find = [](auto& tool) -> Selector* {
+      if constexpr (requires { tool.where; })
+        if (tool.where) return &*tool.where;
+      return nullptr;
+    };
+    return std::visit(find, kind);
+  }
+  std::filesystem::path* shape_file() {  // null: it has none
+    const auto find = [](auto& tool) -> std::filesystem::path* {
+      if constexpr (requires { tool.shape_file; }) return &tool.shape_file;
+      return nullptr;
+    };
+    return std::visit(find, kind);
+  }
 };
 
 // A length of thread that is drawn through points of the body at rest, and its knots.
@@ -296,7 +356,7 @@ struct Scene {
   std::vector<SceneThread> threads;
   std::vector<SceneAttachment> attachments;
   ContactSetup contact;
-  std::vector<std::filesystem::path> obstacle_files;  // file of each obstacle's shape, as Tool::shape_file
+  std::vector<std::filesystem::path> obstacle_files;  // file of each obstacle's shape, as of a probe
   LoosePieces loose_pieces = LoosePieces::fall;
   std::filesystem::path skin;  // OBJ file of a finer surface to show, as `mesh`; empty: none
   Time time;

@@ -149,11 +149,11 @@ ordered_json summarise_tools(const Scene& scene, const Setup& setup) {
   ordered_json list = ordered_json::array();
   std::map<std::string, std::size_t> count;  // of the tools of each kind so far
   for (const Tool& tool : scene.tools) {
-    ordered_json entry = {{"name", tool.name},
-                          {"type", tool.type},
-                          {"from_s", tool.path.front().time},
-                          {"to_s", tool.path.back().time}};
-    kind_of(tool).summarise(setup, count[tool.type]++, entry);
+    ordered_json entry = {{"name", tool.name()},
+                          {"type", tool.type()},
+                          {"from_s", tool.path().front().time},
+                          {"to_s", tool.path().back().time}};
+    summarise(setup, tool, count[tool.type()]++, entry);
     list.push_back(entry);
   }
   return list;

@@ -4,7 +4,6 @@
 #include "lobe/scene/read_shape.h"
 #include "lobe/scene/scene_document.h"
 #include "lobe/scene/scene_keys.h"
-#include "lobe/scene/tool_kinds.h"
 
 namespace lobe {
 
@@ -13,19 +12,6 @@ using nlohmann::ordered_json;
 ordered_json keys::Form<Material>::write(const Material& material) {
   ordered_json entry = ordered_json::object();
   write_rows(material_keys, material, entry);
-  return entry;
-}
-
-ordered_json keys::Form<Tool>::write(const Tool& tool) {
-  const ToolKind& kind = kind_of(tool);
-  ordered_json entry = {{"name", tool.name}, {"type", tool.type}};
-  kind.write(tool, entry);
-  ordered_json& path = entry["path"] = ordered_json::array();
-  for (std::size_t i = 0; i < tool.path.size(); ++i) {
-    const PathPoint& point = tool.path[i];
-    path.push_back({point.time, point.position[0], point.position[1], point.position[2]});
-    kind.write_row(tool, i, path.back());
-  }
   return entry;
 }
 

@@ -19,6 +19,7 @@ from ._lobe import (
     Snapshot,
     StaticResult,
     Surface,
+    Tool,
     Transitions,
     World,
     __version__,
@@ -38,7 +39,7 @@ __all__ = [
     "Cautery", "Checkpoint", "ClipApplier", "Condition", "Difference", "Event", "GestureOutcome", "Grasp",
     "InputError", "Mesh",
     "Probe", "Proposal", "Report", "Scalpel", "Scene", "Snapshot", "StaticResult",
-    "Surface", "Transitions", "World", "__version__",
+    "Surface", "Tool", "Transitions", "World", "__version__",
     "bench", "box_mesh", "compare", "fit", "mesh", "propose_regions", "read_checkpoint", "read_mesh", "read_scene",
     "read_table", "region_models", "rest", "run", "sensitivity", "solve", "view",
 ]

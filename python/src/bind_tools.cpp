@@ -30,8 +30,7 @@ auto use_grasp(const PyTool& tool, Work&& work) {
   });
 }
 
-template <class Tool>
-void lead(const Tool& self, const py::object& position, const py::object& orientation) {
+void lead(const PyTool& self, const py::object& position, const py::object& orientation) {
   Lead command{self.id, {vector3(position, "position")}};
   if (!orientation.is_none()) {
     const py::array_t<double, py::array::c_style | py::array::forcecast> q(orientation);
@@ -41,17 +40,10 @@ void lead(const Tool& self, const py::object& position, const py::object& orient
   apply(self, command);
 }
 
-template <class Tool>
-void let_go(const Tool& self) {
-  apply(self, LetGo{self.id});
-}
-template <class Tool>
-void turn_on(const Tool& self, bool on) {
-  apply(self, SwitchTool{self.id, on});
-}
+void let_go(const PyTool& self) { apply(self, LetGo{self.id}); }
+void turn_on(const PyTool& self, bool on) { apply(self, SwitchTool{self.id, on}); }
 
-template <class Tool>
-std::string name_of(const Tool& self) {
+std::string name_of(const PyTool& self) {
   return use(self, [&](AnyWorld& world) {
     std::string name;
     if (!world.tools().visit(self.id, [&](const auto& tool) { name = tool.name; }))
@@ -93,13 +85,26 @@ py::array position_of(const PyGrasp& self) {
   }));
 }
 
+void bind_tool(py::module_& module) {
+  py::class_<PyTool>(module, "Tool",
+                     "A tool that a script leads. Grasp, Cautery, Scalpel, Probe and ClipApplier say more of "
+                     "some kinds.")
+      .def("move_to", &lead, py::arg("position"), py::arg("orientation") = py::none(),
+           "Moves it to this position by the end of the next frame [m]. The orientation is a unit quaternion "
+           "(x, y, z, w).")
+      .def("switch", &turn_on, py::arg("on"), "Switches it on or off. A grasp has nothing to switch.")
+      .def("release", &let_go, "Takes it away.")
+      .def_property_readonly("name", &name_of, "The name that it was given.")
+      .def("__repr__",
+           [](const PyTool& self) { return describe_tool(self, "Tool", "it is on", "it is off"); });
+}
+
 void bind_grasp(py::module_& module) {
-  py::class_<PyGrasp>(module, "Grasp", "A tool that holds vertices. World.grasp() makes it.")
-      .def("move_to", &lead<PyGrasp>, py::arg("position"), py::arg("orientation") = py::none(),
+  py::class_<PyGrasp, PyTool>(module, "Grasp", "A tool that holds vertices. World.grasp() makes it.")
+      .def("move_to", &lead, py::arg("position"), py::arg("orientation") = py::none(),
            "Moves its centre to this position by the end of the next frame [m]. The orientation is a unit "
            "quaternion\n(x, y, z, w): how it has turned since it took hold.")
-      .def("release", &let_go<PyGrasp>, "Lets go at the start of the next frame.")
-      .def_property_readonly("name", &name_of<PyGrasp>, "The name that it was given.")
+      .def("release", &let_go, "Lets go at the start of the next frame.")
       .def_property_readonly("vertices", &held_vertices, "(k,) int32, the vertices that it holds; a copy.")
       .def_property_readonly("position", &position_of,
                              "The position of its centre [m]. It is known after the first frame.")
@@ -121,46 +126,42 @@ void bind_grasp(py::module_& module) {
 }
 
 void bind_cautery(py::module_& module) {
-  py::class_<PyCautery>(module, "Cautery",
-                        "A tool that burns what its spherical tip or its hook touches, while it is on. "
-                        "World.cautery() makes it.")
-      .def("move_to", &lead<PyCautery>, py::arg("position"), py::arg("orientation") = py::none(),
+  py::class_<PyCautery, PyTool>(
+      module, "Cautery",
+      "A tool that burns what its spherical tip or its hook touches, while it is on. "
+      "World.cautery() makes it.")
+      .def("move_to", &lead, py::arg("position"), py::arg("orientation") = py::none(),
            "Moves its tip to this position by the end of the next frame [m]. The orientation is a unit "
            "quaternion\n(x, y, z, w): how its hook has turned since it was brought.")
-      .def("switch", &turn_on<PyCautery>, py::arg("on"), "Switches it on or off.")
-      .def("release", &let_go<PyCautery>, "Takes it away.")
-      .def_property_readonly("name", &name_of<PyCautery>, "The name that it was given.")
+      .def("switch", &turn_on, py::arg("on"), "Switches it on or off.")
       .def("__repr__",
            [](const PyCautery& self) { return describe_tool(self, "Cautery", "it is on", "it is off"); });
 }
 
 void bind_scalpel(py::module_& module) {
-  py::class_<PyScalpel>(
+  py::class_<PyScalpel, PyTool>(
       module, "Scalpel",
       "A tool that cuts with an edge from its tip to its heel, while it is on. World.scalpel() makes it.")
-      .def("move_to", &lead<PyScalpel>, py::arg("position"), py::arg("orientation") = py::none(),
+      .def("move_to", &lead, py::arg("position"), py::arg("orientation") = py::none(),
            "Moves its tip to this position by the end of the next frame [m]. The orientation is a unit "
            "quaternion\n(x, y, z, w): how the edge has turned since it was brought.")
-      .def("switch", &turn_on<PyScalpel>, py::arg("on"), "Switches it on or off. It cuts while it is on.")
-      .def("release", &let_go<PyScalpel>, "Takes it away.")
-      .def_property_readonly("name", &name_of<PyScalpel>, "The name that it was given.")
+      .def("switch", &turn_on, py::arg("on"), "Switches it on or off. It cuts while it is on.")
       .def("__repr__",
            [](const PyScalpel& self) { return describe_tool(self, "Scalpel", "it is on", "it is off"); });
 }
 
 void bind_clip_applier(py::module_& module) {
-  py::class_<PyClipApplier>(
+  py::class_<PyClipApplier, PyTool>(
       module, "ClipApplier",
       "A tool that closes a clip on what lies between its jaws. World.bring() makes it.")
-      .def("move_to", &lead<PyClipApplier>, py::arg("position"), py::arg("orientation") = py::none(),
+      .def("move_to", &lead, py::arg("position"), py::arg("orientation") = py::none(),
            "Moves the middle of its jaws to this position by the end of the next frame [m]. The orientation "
            "is a unit\nquaternion (x, y, z, w): of the axes along the jaws, along the duct and from jaw to "
            "jaw.")
-      .def("switch", &turn_on<PyClipApplier>, py::arg("on"),
+      .def("switch", &turn_on, py::arg("on"),
            "On: closes a clip where it is when the next frame begins. Off: opens its jaws again; the clip "
            "stays.")
-      .def("release", &let_go<PyClipApplier>, "Takes it away. Its clips stay.")
-      .def_property_readonly("name", &name_of<PyClipApplier>, "The name that it was given.")
+      .def("release", &let_go, "Takes it away. Its clips stay.")
       .def("__repr__", [](const PyClipApplier& self) {
         return describe_tool(self, "ClipApplier", "its jaws are closed", "its jaws are open");
       });
@@ -177,16 +178,13 @@ auto read_probe(const PyProbe& self, Value&& value) {
 }
 
 void bind_probe(py::module_& module) {
-  py::class_<PyProbe>(
+  py::class_<PyProbe, PyTool>(
       module, "Probe",
       "A rigid body that touches the organ, or jaws that close on it. World.bring() makes it.")
-      .def("move_to", &lead<PyProbe>, py::arg("position"), py::arg("orientation") = py::none(),
+      .def("move_to", &lead, py::arg("position"), py::arg("orientation") = py::none(),
            "Moves its origin to this position by the end of the next frame [m]. The orientation is a unit "
            "quaternion\n(x, y, z, w) of its axes.")
-      .def("switch", &turn_on<PyProbe>, py::arg("on"),
-           "Closes jaws, or opens them. Others have nothing to switch.")
-      .def("release", &let_go<PyProbe>, "Takes it away.")
-      .def_property_readonly("name", &name_of<PyProbe>, "The name that it was given.")
+      .def("switch", &turn_on, py::arg("on"), "Closes jaws, or opens them. Others have nothing to switch.")
       .def_property_readonly(
           "force",
           [](const PyProbe& self) {
@@ -206,32 +204,18 @@ void bind_probe(py::module_& module) {
            [](const PyProbe& self) { return describe_tool(self, "Probe", "its jaws close", "it is there"); });
 }
 
-// ---- All of a world
-
-template <class Handle, class Kind>
-void add_handles(const std::shared_ptr<PyWorld>& world, const std::vector<Kind>& tools,
-                 std::vector<AnyTool>& handles) {
-  for (const Kind& tool : tools)
-    if (tool.is_live && !tool.has_gone())
-      handles.push_back(Handle{{world, tool.id, world->times_restored()}});
-}
-
 }  // namespace
 
 py::list handles_of(const std::shared_ptr<PyWorld>& world) {
   std::vector<AnyTool> handles;
   world->use([&](AnyWorld& any) {
-    const ToolLists& lists = any.tools().lists();
-    add_handles<PyGrasp>(world, lists.grasps, handles);
-    add_handles<PyCautery>(world, lists.cauteries, handles);
-    add_handles<PyScalpel>(world, lists.scalpels, handles);
-    add_handles<PyProbe>(world, lists.probes, handles);
-    add_handles<PyClipApplier>(world, lists.clip_appliers, handles);
+    for (const ToolId id : any.tools().held_by_hands()) handles.push_back(handle_of(world, any, id));
   });
   return py::cast(std::move(handles));
 }
 
 void bind_tools(py::module_& module) {
+  bind_tool(module);
   bind_grasp(module);
   bind_cautery(module);
   bind_scalpel(module);

@@ -39,7 +39,7 @@ std::vector<Index> vertices_near(PyWorld& world, const Vec3d& centre, double rad
   });
 }
 
-PyGrasp take(const std::shared_ptr<PyWorld>& world, const py::object& vertices, const py::object& near,
+AnyTool take(const std::shared_ptr<PyWorld>& world, const py::object& vertices, const py::object& near,
              double radius, const std::string& name) {
   if (vertices.is_none() == near.is_none())
     throw InputError("grasp", "wants either vertices, or near and radius");
@@ -52,38 +52,25 @@ PyGrasp take(const std::shared_ptr<PyWorld>& world, const py::object& vertices, 
   } else {
     command.vertices = vertices_of(*world, vertices);
   }
-  return bring<PyGrasp>(world, command);
+  return bring(world, command);
 }
 
-PyCautery bring_cautery(const std::shared_ptr<PyWorld>& world, const py::object& position, double radius,
-                        const std::string& name) {
-  return bring<PyCautery>(world, BringCautery{name, radius, vector3(position, "position")});
-}
-
-PyCautery handle_of(const std::shared_ptr<PyWorld>& world, const BringCautery& command) {
-  return bring<PyCautery>(world, command);
-}
-PyScalpel handle_of(const std::shared_ptr<PyWorld>& world, const BringScalpel& command) {
-  return bring<PyScalpel>(world, command);
-}
-PyProbe handle_of(const std::shared_ptr<PyWorld>& world, const BringProbe& command) {
-  return bring<PyProbe>(world, command);
-}
-PyClipApplier handle_of(const std::shared_ptr<PyWorld>& world, const BringClipApplier& command) {
-  return bring<PyClipApplier>(world, command);
+AnyTool bring_cautery(const std::shared_ptr<PyWorld>& world, const py::object& position, double radius,
+                      const std::string& name) {
+  return bring(world, BringCautery{name, radius, vector3(position, "position")});
 }
 
 AnyTool bring_any(const std::shared_ptr<PyWorld>& world, const py::dict& tool,
                   const std::filesystem::path& folder) {
   const auto text = py::module_::import("json").attr("dumps")(tool).cast<std::string>();
-  return std::visit([&](const auto& command) -> AnyTool { return handle_of(world, command); },
+  return std::visit([&](const auto& command) { return bring(world, command); },
                     parse_tool(text, folder).command);
 }
 
-PyScalpel bring_scalpel(const std::shared_ptr<PyWorld>& world, const py::object& tip, const py::object& heel,
-                        double snap, bool along_faces, const std::string& name) {
+AnyTool bring_scalpel(const std::shared_ptr<PyWorld>& world, const py::object& tip, const py::object& heel,
+                      double snap, bool along_faces, const std::string& name) {
   const BladePose pose{vector3(tip, "tip"), vector3(heel, "heel")};
-  return bring<PyScalpel>(world, BringScalpel{name, pose, snap, along_faces});
+  return bring(world, BringScalpel{name, pose, snap, along_faces});
 }
 
 void add_tools(WorldClass& world) {
@@ -96,8 +83,8 @@ void add_tools(WorldClass& world) {
           "bring", &bring_any, py::arg("tool"), py::kw_only(), py::arg("folder") = ".",
           "Brings a tool that a dictionary describes as a scene does (docs/scene.md), with \"at\", a row of "
           "its path\nwithout the time, in place of \"path\": {\"type\": \"probe\", \"shape\": {\"sphere\": "
-          "{\"radius\": 0.01}}, \"at\": [0.1, 0, 0.05]}.\nReturns its handle: Cautery, Scalpel, Probe or "
-          "ClipApplier. "
+          "{\"radius\": 0.01}}, \"at\": [0.1, 0, 0.05]}.\nReturns its handle: Cautery, Scalpel, Probe, "
+          "ClipApplier, or Tool for other kinds.\n"
           "folder: what relative paths of shapes are relative to.\nRaises ValueError with each fault and its "
           "JSON pointer.")
       .def("cautery", &bring_cautery, py::arg("position"), py::kw_only(), py::arg("radius"),
@@ -107,10 +94,10 @@ void add_tools(WorldClass& world) {
            "Adds a scalpel, which does not cut yet. Its edge leads from tip to heel [m]. A vertex nearer to "
            "the cut than\nthe share `snap` of its shortest edge lies on it. along_faces: it opens only faces "
            "that the mesh has.")
-      .def_property_readonly(
-          "tools", &handles_of,
-          "A list of handles: a Grasp, Cautery or Scalpel for each tool that is led by hand and was not let "
-          "go.\nrestore() makes all earlier handles invalid.");
+      .def_property_readonly("tools", &handles_of,
+                             "A list of handles, as of bring() and grasp(): one for each tool that is led by "
+                             "hand and was not let "
+                             "go.\nrestore() makes all earlier handles invalid.");
 }
 
 // ---- Edits

@@ -105,6 +105,9 @@ TEST_CASE("what clips and carriers lack is named with its place") {
   tools[1]["core"] = 0.001;
   CHECK(duct.fault({{"tools", tools}}).find("/tools/1/core: 0.001 m, must be below the radius, 0.001 m") !=
         std::string::npos);
+  const std::string implicit = duct.fault({{"time", {{"integrator", "implicit"}}}});
+  for (const char* place : {"/tools/0/type: a probe", "/tools/1/type: a probe"})  // a clip, a core
+    CHECK(implicit.find(place) != std::string::npos);
   json bodies = duct.document()["bodies"];
   bodies[0]["carries"] = "water";
   CHECK(duct.fault({{"bodies", bodies}}).find("/bodies/0/carries") != std::string::npos);

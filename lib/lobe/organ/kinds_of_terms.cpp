@@ -17,7 +17,7 @@ std::span<const KindOfTerm<Real>> kinds_of_terms() {
   static constexpr KindOfTerm<Real> kinds[] = {
       {AppliedForces<Real>::term_name,
        [](const Setup&) -> Term { return std::make_shared<AppliedForces<Real>>(); },
-       [](const Setup&, std::span<const ToolBody>) { return false; }},
+       [](const Setup&, std::span<const ToolBody>) { return false; }, false},
       {Pressure<Real>::term_name,
        [](const Setup& setup) -> Term { return std::make_shared<Pressure<Real>>(setup); },
        [](const Setup& setup, std::span<const ToolBody>) { return !setup.pressures.empty(); }},
@@ -27,7 +27,8 @@ std::span<const KindOfTerm<Real>> kinds_of_terms() {
        },
        [](const Setup& setup, std::span<const ToolBody> tools) {
          return !tools.empty() || setup.contact.is_on();
-       }},
+       },
+       false},
       {Attachments<Real>::term_name,
        [](const Setup& setup) -> Term { return std::make_shared<Attachments<Real>>(setup); },
        [](const Setup& setup, std::span<const ToolBody>) { return !setup.attachments.empty(); }},

@@ -18,6 +18,7 @@ struct KindOfTerm {
   // Whether a world with this setup and these tools in the next frame needs one. Without need, a command or a
   // checkpoint may still ask for one.
   bool (*is_needed)(const Setup& setup, std::span<const ToolBody> tools);
+  bool follows_cuts = true;  // whether it is there from the first on, since it follows cuts
 };
 
 template <class Real>

@@ -11,7 +11,7 @@
 #include "lobe/condense/supports.h"
 #include "lobe/error.h"
 #include "lobe/file/fields.h"
-#include "lobe/forces/pressure.h"
+#include "lobe/organ/kinds_of_terms.h"
 #include "lobe/organ/left_out_fields.h"
 #include "lobe/setup/check_setup.h"
 #include "lobe/tool/tool_lists.h"
@@ -79,11 +79,8 @@ Organ<Real>::Organ(const Setup& setup, int threads, const Progress& progress)
   limit_.measure_at_rest(body_);
   embed();
   if (need_grains(setup)) prepare_blades();
-  // They follow cuts from the first on.
-  if (!setup.pressures.empty()) own_term(Pressure<Real>::term_name);
-  if (!setup.stitches.empty()) own_term(Threads<Real>::term_name);
-  if (!setup.attachments.empty()) own_term(Attachments<Real>::term_name);
-  if (!setup.clips.empty() || !setup.carriers.empty()) own_term(Clips<Real>::term_name);
+  for (const KindOfTerm<Real>& kind : kinds_of_terms<Real>())
+    if (kind.follows_cuts && kind.is_needed(setup, {})) own_term(kind.name);
 }
 
 // ---- State

@@ -172,25 +172,13 @@ void Patches<Real>::relax(const Elements& elements, const Mat3X<Real>& u, bool a
 
 template <class Real>
 void Patches<Real>::save(std::vector<Real>& strains) const {
-  for_viscous([&](Index, Index p, Index item) {
-    const auto of_item = viscosity_.strains(p, item);
-    const Index kind = layout_.patch(p).kind;
-    strains.insert(strains.end(), of_item.begin(), of_item.begin() + 6 * viscosity_.terms(kind));
-  });
+  for_viscous([&](Index, Index p, Index lane) { viscosity_.save(p, lane, strains); });
 }
 
 template <class Real>
 bool Patches<Real>::load(std::span<const Real>& strains) {
   bool fits = true;
-  for_viscous([&](Index, Index p, Index item) {
-    const auto count = std::size_t(6 * viscosity_.terms(layout_.patch(p).kind));
-    fits = fits && count <= strains.size();
-    if (!fits) return;
-    typename Viscosity<Real>::Strains of_item{};
-    std::copy_n(strains.begin(), count, of_item.begin());
-    viscosity_.set(p, item, of_item);
-    strains = strains.subspan(count);
-  });
+  for_viscous([&](Index, Index p, Index lane) { fits = fits && viscosity_.load(p, lane, strains); });
   return fits;
 }
 

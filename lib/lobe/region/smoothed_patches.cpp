@@ -41,7 +41,8 @@ template <class Real>
 void SmoothedPatches<Real>::follow(const Elements& elements, const std::vector<Index>& leave,
                                    const std::vector<Index>& enter, RegionModel model,
                                    const TetPairs& copied) {
-  const DomainsOf domains_before = viscosity_.any() ? domains_of(leave) : DomainsOf();
+  SmoothedHistories<Real> histories;
+  if (viscosity_.any()) histories.keep_domains(edges_, leave);
   const std::vector<Index> edges = edges_.follow(elements, leave, enter, model);
   if (edges.empty()) return;
   set_laws(elements, model);
@@ -72,16 +73,23 @@ void SmoothedPatches<Real>::follow(const Elements& elements, const std::vector<I
   patches_.resize(std::size_t(layout_.patch_count()));
   if (nodal_pressure_) gradients_.resize(patches_.size() * patch_blocks);
   sums_.resize(layout_.patch_count());
-  if (!viscosity_.any()) {
-    for (Index p : changed) write(elements, p);
-    return;
-  }
-  Histories histories = histories_in(changed);
-  inherit(enter, domains_before, copied, histories);
+  for (Index p : changed) histories.keep(viscosity_, p, patches_[p].edges);
+  if (viscosity_.any()) histories.inherit(edges_, enter, copied);
   for (Index p : changed) {
     write(elements, p);
-    take_histories(p, histories);
+    if (viscosity_.any()) give_histories(p, histories);
   }
+}
+
+template <class Real>
+void SmoothedPatches<Real>::give_histories(Index p, const SmoothedHistories<Real>& histories) {
+  viscosity_.fit(p, layout_.patch(p).kind, patches_[p].blocks.size());
+  if (!viscosity_.has(p)) return;
+  const std::vector<Index> without = histories.give(viscosity_, p, patches_[p].edges);
+  without_history_.insert(without_history_.end(), without.begin(), without.end());
+  const auto lanes = static_cast<Index>(patches_[p].blocks.size() * Block::width);
+  for (Index lane = static_cast<Index>(patches_[p].edges.size()); lane < lanes; ++lane)  // as in Patches
+    viscosity_.set(p, lane, typename Viscosity<Real>::Strains{});
 }
 
 // Volume term and guard are those of tetrahedra: their moduli are here, and not their terms.
@@ -327,62 +335,7 @@ std::size_t SmoothedPatches<Real>::bytes() const {
   return sum;
 }
 
-// ---- The strains of dashpots. An edit may give domains other lanes, and other numbers around the copies of
-// vertices: there, a domain has the history of the one that its tetrahedra had at the same edge.
-
-template <class Real>
-typename SmoothedPatches<Real>::DomainsOf SmoothedPatches<Real>::domains_of(
-    const std::vector<Index>& tets) const {
-  DomainsOf domains;
-  for (Index t : tets) domains[t] = edges_.of(t);
-  return domains;
-}
-
-// Of the domains that these patches had before they are written again.
-template <class Real>
-typename SmoothedPatches<Real>::Histories SmoothedPatches<Real>::histories_in(
-    const std::vector<Index>& patches) const {
-  Histories histories;
-  for (Index p : patches) {
-    if (!viscosity_.has(p)) continue;
-    const std::vector<Index>& edges = patches_[p].edges;
-    for (std::size_t i = 0; i < edges.size(); ++i)
-      histories[edges[i]] = viscosity_.strains(p, static_cast<Index>(i));
-  }
-  return histories;
-}
-
-template <class Real>
-void SmoothedPatches<Real>::inherit(const std::vector<Index>& tets, const DomainsOf& before,
-                                    const TetPairs& copied, Histories& histories) const {
-  std::unordered_map<Index, Index> source;
-  for (const auto& [tet, copy] : copied) source[copy] = tet;
-  for (Index t : tets) {
-    const auto copy = source.find(t);
-    const auto former = before.find(copy == source.end() ? t : copy->second);
-    if (former == before.end()) continue;
-    const Eigen::Matrix<Index, 6, 1> now = edges_.of(t);
-    for (int e = 0; e < 6; ++e)
-      if (const auto known = histories.find(former->second[e]); now[e] >= 0 && known != histories.end())
-        histories.try_emplace(now[e], typename Viscosity<Real>::Strains(known->second));
-  }
-}
-
-template <class Real>
-void SmoothedPatches<Real>::take_histories(Index p, const Histories& histories) {
-  viscosity_.fit(p, layout_.patch(p).kind, patches_[p].blocks.size());
-  if (!viscosity_.has(p)) return;
-  const typename Viscosity<Real>::Strains no_strains{};
-  const std::vector<Index>& edges = patches_[p].edges;
-  for (std::size_t i = 0; i < edges.size(); ++i) {
-    const auto known = histories.find(edges[i]);
-    const bool has_history = known != histories.end();
-    viscosity_.set(p, static_cast<Index>(i), has_history ? known->second : no_strains);
-    if (!has_history) without_history_.push_back(edges[i]);
-  }
-  for (std::size_t i = edges.size(); i < patches_[p].blocks.size() * Block::width; ++i)  // as in Patches
-    viscosity_.set(p, static_cast<Index>(i), no_strains);
-}
+// ---- The strains of dashpots
 
 // visit(domain, patch, its lane), by the numbers of domains.
 template <class Real>
@@ -413,26 +366,14 @@ void SmoothedPatches<Real>::relax(const Elements&, const Mat3X<Real>& u, bool al
 template <class Real>
 void SmoothedPatches<Real>::save(std::vector<Real>& strains) const {
   if (!viscosity_.any()) return;
-  for_viscous([&](Index, Index p, Index lane) {
-    const auto of_item = viscosity_.strains(p, lane);
-    const Index kind = layout_.patch(p).kind;
-    strains.insert(strains.end(), of_item.begin(), of_item.begin() + 6 * viscosity_.terms(kind));
-  });
+  for_viscous([&](Index, Index p, Index lane) { viscosity_.save(p, lane, strains); });
 }
 
 template <class Real>
 bool SmoothedPatches<Real>::load(std::span<const Real>& strains) {
   if (!viscosity_.any()) return true;
   bool fits = true;
-  for_viscous([&](Index, Index p, Index lane) {
-    const auto count = std::size_t(6 * viscosity_.terms(layout_.patch(p).kind));
-    fits = fits && count <= strains.size();
-    if (!fits) return;
-    typename Viscosity<Real>::Strains of_item{};
-    std::copy_n(strains.begin(), count, of_item.begin());
-    viscosity_.set(p, lane, of_item);
-    strains = strains.subspan(count);
-  });
+  for_viscous([&](Index, Index p, Index lane) { fits = fits && viscosity_.load(p, lane, strains); });
   return fits;
 }
 

@@ -7,11 +7,11 @@
 #pragma once
 
 #include <span>
-#include <unordered_map>
 #include <utility>
 
 #include "lobe/region/edge_pressures.h"
 #include "lobe/region/patch_sums.h"
+#include "lobe/region/smoothed_histories.h"
 #include "lobe/region/smoothed_kernels.h"
 #include "lobe/region/tet_owners.h"
 #include "lobe/region/viscosity.h"
@@ -80,13 +80,7 @@ class SmoothedPatches {
   void find_pressures(const Mat3X<Real>& u, Parallel& parallel);
   std::vector<Mat3<double>> kept_gradients() const;
 
-  using DomainsOf = std::unordered_map<Index, Eigen::Matrix<Index, 6, 1>>;  // of tetrahedra
-  using Histories = std::unordered_map<Index, typename Viscosity<Real>::Strains>;
-  DomainsOf domains_of(const std::vector<Index>& tets) const;
-  Histories histories_in(const std::vector<Index>& patches) const;
-  void inherit(const std::vector<Index>& tets, const DomainsOf& before, const TetPairs& copied,
-               Histories& histories) const;
-  void take_histories(Index p, const Histories& histories);
+  void give_histories(Index p, const SmoothedHistories<Real>& histories);
   template <class Visit>
   void for_viscous(Visit&& visit) const;
 

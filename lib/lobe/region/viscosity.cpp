@@ -1,5 +1,6 @@
 #include "lobe/region/viscosity.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "lobe/assert.h"
@@ -53,6 +54,23 @@ void Viscosity<Real>::set(Index p, Index item, const Mat3<double>& E) {
   Strains of_item{};
   for (std::size_t i = 0; i < of_item.size(); ++i) of_item[i] = static_cast<Real>(six[i % 6]);
   set(p, item, of_item);
+}
+
+template <class Real>
+void Viscosity<Real>::save(Index p, Index item, std::vector<Real>& out) const {
+  const Strains of_item = strains(p, item);
+  out.insert(out.end(), of_item.begin(), of_item.begin() + 6 * patches_[std::size_t(p)].terms);
+}
+
+template <class Real>
+bool Viscosity<Real>::load(Index p, Index item, std::span<const Real>& from) {
+  const auto count = std::size_t(6 * patches_[std::size_t(p)].terms);
+  if (count > from.size()) return false;
+  Strains of_item{};
+  std::copy_n(from.begin(), count, of_item.begin());
+  set(p, item, of_item);
+  from = from.subspan(count);
+  return true;
 }
 
 template <class Real>

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <array>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -56,7 +57,10 @@ class Viscosity {
   }
   Strains strains(Index patch, Index item) const;  // of the item in this lane of the patch
   void set(Index patch, Index item, const Strains& strains);
-  void set(Index patch, Index item, const Mat3<double>& E);  // at rest in this strain
+  void set(Index patch, Index item, const Mat3<double>& E);              // at rest in this strain
+  void save(Index patch, Index item, std::vector<Real>& strains) const;  // appends those of the item
+  // Takes those of the item off the front. False, and nothing is taken, if there are too few.
+  bool load(Index patch, Index item, std::span<const Real>& strains);
 
   ViscousArrays<Real> arrays(Index patch, std::uint16_t material);  // what kernels need, at the present step
 

@@ -29,17 +29,18 @@ struct BodyLabelName {  // a file's name of a label, in a mesh joined of several
 // (MEDIT ascii), .node/.ele (TetGen; either name finds the other). Vertices and tetrahedra keep the order of
 // the file. Of ten-node tetrahedra only the corners are taken; the vertices in the middle of their edges are
 // left out. Other cells are ignored and counted. Labels are the cell data "label", else "gmsh:physical",
-// "medit:ref" or "CellEntityIds", else the only array of whole numbers (VTK); the first physical group, or
-// the entity where there are no groups (Gmsh); the reference (MEDIT); the region (TetGen). Throws InputError
-// naming file, line or section, and what was expected. Calls prepare().
+// "medit:ref" or "CellEntityIds", else the only array of whole numbers, even if they are stored as
+// floating-point ones (VTK); the first physical group, or the entity where there are no groups (Gmsh); the
+// reference (MEDIT); the region (TetGen). Triangles whose label is not 0 are a group of that number. Throws
+// InputError naming file, line or section, and what was expected. Calls prepare().
 struct MeshFile {
   TetMesh mesh;
   PrepareReport prepared;
   std::vector<std::string> notes;  // one line each: what was taken for labels, what was left out
   Index ignored_cells = 0;
-  std::vector<SurfaceGroup> surfaces;             // physical surfaces (Gmsh), references of triangles (MEDIT)
-  std::map<int, std::string> label_names{};       // names of physical volumes (Gmsh)
-  std::vector<BodyLabelName> body_label_names{};  // the same names by body, in a mesh of several files
+  std::vector<SurfaceGroup> surfaces;        // by label (VTK), physical surface (Gmsh) or reference (MEDIT)
+  std::map<int, std::string> label_names{};  // of physical volumes (Gmsh) or of field data (VTU)
+  std::vector<BodyLabelName> body_label_names{};      // the same names by body, in a mesh of several files
   std::map<std::string, Eigen::MatrixXd> point_data;  // #components × #vertices (VTU only)
   std::map<std::string, Eigen::MatrixXd> cell_data;  // #components × #tetrahedra (VTU only), without "label"
   std::vector<std::string> warnings() const;         // warnings: the notes, and what prepare() noticed

@@ -1,6 +1,6 @@
-// Keeps the strains of dashpots of smoothing domains across an edit. An edit may give domains other lanes, and
-// other numbers around the copies of vertices: there, a domain has the history of the one that its tetrahedra
-// had at the same edge.
+// Keeps the strains of dashpots of smoothing domains across an edit. An edit may give domains other lanes,
+// and other numbers around the copies of vertices: there, a domain has the history of the one that its
+// tetrahedra had at the same edge.
 #pragma once
 
 #include <unordered_map>

@@ -1,6 +1,7 @@
 """Burns a notch into the liver and weighs what is left; the surface tells which triangles the cut has made.
 
     PYTHONPATH=build/python /usr/bin/python3 examples/python/02_cut.py
+    burnt: 41 tetrahedra, left: 2062; 27 of 682 triangles are of the cut
 """
 
 import pathlib

@@ -1,6 +1,8 @@
 """From a surface to a plot of run time against error: which tolerance for linear regions pays?
 
     PYTHONPATH=build/python /usr/bin/python3 examples/python/03_time_against_error.py [SURFACE [PLOT.png]]
+    tolerance   2%:  96% linear, error 1.93 %, 19.12 times as fast
+    (and a row for each of the other tolerances; the times depend on the machine)
 """
 
 import pathlib

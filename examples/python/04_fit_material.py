@@ -1,6 +1,7 @@
 """Fits λ and μ to forces that were measured at a short block's end in three pulls, here made by lobe with 1 % of noise.
 
     PYTHONPATH=build/python /usr/bin/python3 examples/python/04_fit_material.py
+    λ = 39.7 kPa (40 were put in), μ = 10.08 kPa (10)
 """
 
 import lobe

@@ -1,6 +1,8 @@
 """A task of one's own as an environment: a hand is to bring a beam's end to a target.
 
     PYTHONPATH=build/python /usr/bin/python3 examples/python/05_learn.py
+    gain  2.0: 76.0 steps to the target
+    gain 10.0: 15.4 steps to the target
 """
 
 import lobe

@@ -21,8 +21,8 @@ NORMALIZE = Path("/usr/share/javascript/normalize.css/normalize.min.css")
 MATHJAX_PARTS = ["MathJax.js", "config/TeX-AMS_HTML.js", "extensions", "jax/element", "jax/input/TeX",
                  "jax/output/HTML-CSS", "fonts/HTML-CSS/TeX/woff"]
 # Folders that the pages link to, and pages outside docs/.
-STAGED = ["README.md", "LICENSE", "docs", "data", "examples", "lib", "benchmarks", "tests", "capi", "cholmod", "view",
-          "meshing", "python"]
+STAGED = ["README.md", "LICENSE", "CITATION.cff", "docs", "data", "examples", "lib", "benchmarks", "tests", "capi",
+          "cholmod", "view", "meshing", "python"]
 SECTIONS = ("briefdescription detaileddescription user-defined public-type public-attrib public-static-attrib public-func "
             "public-static-func innerclass func enum var define")
 FOLDER_TITLES = [

@@ -32,6 +32,12 @@
 // Glossary. One word for one thing, here and in docs/README.md:
 //   body: what is simulated: one mesh with its materials, regions and loads; an organ.
 //   mesh: the tetrahedra of a body and the rest positions of its vertices.
+//   label: a whole number that each tetrahedron of a mesh has, by which a scene selects parts of the body.
+//   selector: what stands at "where" in a scene: a place, a label or a name that selects tetrahedra,
+//     vertices or faces.
+//   gate: what a mesh has to pass: angles, altitudes, dt* and distances from the surface.
+//   dt*: stable step of a mesh at rest over the time in which a pressure wave runs along the edge of a
+//     regular tetrahedron of its mean volume; it depends on shape alone.
 //   world: a body that is being simulated: its state, its tools and its time; C++ class World.
 //   scene: a JSON file that says what a world starts from and what happens in it.
 //   setup: a scene resolved on one mesh, as plain arrays, from which a world is built; C++ struct Setup.
@@ -41,6 +47,10 @@
 //   region: a part of a body that is computed by one model; several regions may have the same model.
 //   non-linear region: a region of tetrahedra of a non-linear law (St Venant-Kirchhoff, neo-Hookean, Yeoh,
 //     Mooney-Rivlin, Holzapfel), for large displacements and rotations.
+//   SVK: the law of St Venant and Kirchhoff, that of materials that name no other.
+//   plain tetrahedron: a tetrahedron of four nodes with a strain of its own; P1 in other programs.
+//   quadratic tetrahedron: a tetrahedron of ten nodes; static solutions with these stand for the truth of
+//     a mesh.
 //   edge-smoothed tetrahedron: a tetrahedron whose law is evaluated on averages around its edges; on the same
 //     mesh nearer to the truth than a plain one.
 //   smoothing domain: an edge with a sixth of each tetrahedron around it, over which edge-smoothed tetrahedra
@@ -71,6 +81,7 @@
 //   contact patch: the tetrahedra around what a haptic tool touches, whose stiffness it feels.
 //   patch: up to 512 tetrahedra, or 1024 edges of a tensor-mass region, that are evaluated together; neither
 //     a contact patch nor the patch test.
+//   kernel: the loop that computes the forces of one kind of tetrahedra or edges in a patch.
 //   held vertex: a vertex whose position the boundary conditions prescribe.
 //   partly held vertex: a vertex of which a share lies in what is held ("hold_by"); a spring draws it to its
 //     prescribed position.
@@ -109,6 +120,8 @@
 //   mass floor: mass added where a blade has divided tetrahedra, so that the stable step should not shrink
 //     below a set share (cut_step).
 //   watch: the part of lobe that estimates an error while a scene runs, and asks for corrections.
+//   corrected: of regions or masses that a watch changes while a scene runs, where it estimates too large
+//     an error.
 //   total error: by how much results differ from those of the same body on a far finer mesh, or one of
 //     quadratic tetrahedra: the error of mesh, element, models of regions and of what is held.
 //   sleep: the state of parts that do not move, which are not evaluated until they do.

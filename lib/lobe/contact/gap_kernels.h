@@ -20,8 +20,8 @@ struct alignas(64) PairBlock {
   std::array<float, width> gap{};                           // [m]
 };
 
-// Of the pairs of a PairBlock: the barycentric coordinates 1, 2 and 3 in the tetrahedron of each corner of
-// the triangle, and which of the triangle's points are in the tetrahedron.
+// For the pairs of a PairBlock: the barycentric coordinates 1, 2 and 3 of each corner of the triangle in the
+// tetrahedron, and which of the triangle's points lie in it.
 struct alignas(64) InsideBlock {
   using Row = std::array<double, PairBlock::width>;
   std::array<std::array<Row, 3>, 3> weights{};  // weights[corner][i − 1]
@@ -36,8 +36,8 @@ struct GapKernels {
   // Places as before. Points: three weights each. One is inside if no coordinate is below −slack.
   void (*find_insides)(const double* places, const double* points, int point_count, double slack,
                        const PairBlock* blocks, InsideBlock* insides, int count);
-  // Of #vertices columns u − from: the diagonal of their box. No two of them differ by more. It is fastest if
-  // both arrays begin at the same place of a line of the cache.
+  // Returns the diagonal of the box of the #vertices columns u − from: no two of them differ by more. It is
+  // fastest if both arrays begin at the same place of a line of the cache.
   double (*float_range)(const float* u, const float* from, int vertices);
   double (*double_range)(const double* u, const double* from, int vertices);
 };

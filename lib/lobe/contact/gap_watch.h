@@ -37,8 +37,7 @@ struct ClosePairs {
   struct OfCandidate {
     int candidate = 0, first = 0, count = 0;  // its number; place and number of its pairs in `pairs`
   };
-  std::vector<int>
-      pairs;  // numbers in PairSearch::pairs(); −1: the last of a block, of which there are fewer
+  std::vector<int> pairs;  // numbers in PairSearch::pairs(); −1 fills up the last block of a kind
   std::vector<OfCandidate> candidates;  // ascending
   std::vector<OfDivisions> kinds;
   std::vector<PairBlock> blocks;  // blocks of `pairs`, with places in `points`
@@ -108,7 +107,7 @@ class GapWatch {
 
   Stations stations_;
   bool is_measured_ = false;
-  int measurement_ = 0, look_ = 0;   // numbers of the last ones
+  int measurement_ = 0, look_ = 0;   // numbers of the last measurement and the last look
   double most_room_ = 0;             // the largest room_ [m]
   double room_ = 0, look_room_ = 0;  // how much nearer pairs may come until the next one, and a look [m]
   double next_look_room_ = 0;
@@ -116,7 +115,7 @@ class GapWatch {
   double range_ = 0;                 // how much nearer vertices came since the look, when last found [m]
   double moved_ = 0;                 // how far vertices had moved until then [m]
   std::vector<Watched> states_;      // one per pair of the search
-  std::vector<int> watched_, held_;  // pairs that may touch before the next measurement; those that are held
+  std::vector<int> watched_, held_;  // pairs that may touch before the next measurement; with a held point
   std::vector<PairBlock> blocks_;    // blocks of watched_, with places in points_
   SelfPoints points_;
   ClosePairs close_;

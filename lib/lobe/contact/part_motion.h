@@ -24,7 +24,7 @@ std::vector<int> divide(const std::vector<Vec3d>& points, int most);
 
 class PartMotion {
  public:
-  // A lower bound of a distance now, by what it was at remember() [m].
+  // A lower bound of a present distance, from the distance `then` at remember() [m].
   struct Bound {
     double share = 1, approach = 0;
     double now(double then) const { return share * then - approach; }
@@ -55,8 +55,8 @@ class PartMotion {
       if (low_[i][p] > high[i] || high_[i][p] < low[i]) return false;
     return true;
   }
-  double rounding() const { return rounding_; }  // of all of this, generously [m]
-  // The squares of the distances of a box from those of the parts b after it, or less: squares[b] [m²].
+  double rounding() const { return rounding_; }  // a generous bound of the rounding of bounds [m]
+  // Finds squares[b], bounds below the squared distances of the boxes of a and each part b after it [m²].
   void find_box_distances(int a, std::vector<float>& squares) const;
 
  private:

@@ -19,7 +19,7 @@ class Places {
 
   int vertex_count() const { return int(model_.elements.topology.vertex_count()); }
   const VertexColumns<Mat3X<double>>& at_rest() const { return model_.elements.points; }  // [m]
-  // use(u, v), of the precision that there is.
+  // Calls use(u, v) with the arrays, which are of one precision or the other.
   template <class Use>
   decltype(auto) with(Use&& use) const {
     return single_.u ? use(*single_.u, *single_.v) : use(*exact_.u, *exact_.v);

@@ -25,7 +25,7 @@ class SelfNear {
     Mat3<double> to_weights = Mat3<double>::Zero();
     Eigen::Vector4d heights = Eigen::Vector4d::Zero();  // [m]
     bool is_sound = false;                              // it is neither flat nor inverted
-    int visit = -1;                                     // the last in which it was asked for
+    int visit = -1;                                     // number of the last visit that asked for it
     Eigen::Vector4d weights(const Vec3d& x) const;      // barycentric coordinates
     double gap(const Eigen::Vector4d& weights) const { return (-weights.cwiseProduct(heights)).maxCoeff(); }
   };
@@ -39,7 +39,7 @@ class SelfNear {
   const PairSearch& search_;
   const GapWatch& watch_;
 
-  std::vector<std::uint8_t> faces_;  // per pair: the one whose plane parted it last
+  std::vector<std::uint8_t> faces_;  // per pair: the face whose plane parted it last
   int search_number_ = 0;            // number of the search whose pairs these are
 
   // Scratch of a visit.

@@ -95,7 +95,7 @@ inline void copy_lane(const PairBlock& from, std::size_t lane, PairBlock& to, st
   for (std::size_t d = 0; d < 3; ++d) to.normal[d][at] = from.normal[d][lane];
 }
 
-// Of the first pairs of blocks.
+// Finds the gaps of the first `pairs` pairs in the blocks.
 inline void find_gaps(const GapKernels& kernels, const SelfPoints& points, std::vector<PairBlock>& blocks,
                       std::size_t pairs) {
   const std::size_t width = PairBlock::width;

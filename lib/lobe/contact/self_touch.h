@@ -23,7 +23,7 @@ class SelfTouch {
 
  private:
   struct Face {                   // a triangle of the surface where it is in this pass
-    int pass = -1, pressed = -1;  // the last in which it was asked for, and in which forces act on it
+    int pass = -1, pressed = -1;  // the last passes that asked for it, and that had forces on it
     bool is_sound = false;        // it has an area
     Vec3d normal, corner;
     Vec3d to_weights[2];  // barycentric coordinates 1 and 2 of x in its plane: these · (x − corner)
@@ -149,7 +149,7 @@ void SelfTouch::visit_stiffness(const SelfAt& at, ContactMemory& memory, AtPoint
   });
 }
 
-// Of the corners of a pair, from those of points.
+// The rows of the corners of a pair, from the rows of all points.
 template <int count>
 Eigen::Matrix<double, 3, count> SelfTouch::rows_at(const std::vector<double>& rows, int pair,
                                                    int first) const {

@@ -53,11 +53,11 @@ class ToolContact {
   void search(const ContactSurface& surface, const Mat3X<double>& x, double time, double body_moved,
               double ahead);
   void forget() { slack_ = -1; }
-  // The farthest that it moves until a time [m].
+  // How far the tool moves at most between two times [m].
   double moves_until(double from, double to) const {
     return farthest_move(path_, from, to, distance_.reach());
   }
-  const std::vector<int>& points() const { return points_; }  // of the surface, that candidates have
+  const std::vector<int>& points() const { return points_; }  // points of the surface that candidates have
 
   // ---- Forces. memory().begin_forces() in each evaluation.
 
@@ -70,7 +70,7 @@ class ToolContact {
     const Places& places;   // places of the surface
   };
   void find_forces(const At& at);
-  template <class Visit>  // visit(point of the surface, force [N]) of those that are pressed
+  template <class Visit>  // visit(point of the surface, force [N]) for each pressed point
   void visit_forces(Visit&& visit) const {
     for (int i : scratch_.pressed)
       visit(scratch_.points[std::size_t(i)], Vec3d(scratch_.forces.col(i).template head<3>()));

@@ -58,7 +58,7 @@ struct TouchTriangle {
   std::array<double, 3> turn{};         // way from a centroid to that of the turned triangle beside it [m]
 };
 
-// What is found at a block of its points.
+// What is found at a block of points of a triangle.
 struct alignas(64) TouchBlock {
   using Row = PointBlock::Row;
 

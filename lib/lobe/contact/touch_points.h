@@ -15,12 +15,12 @@ struct alignas(64) PointBlock {
   Row along{}, up{};
   Row turned{};            // 1: the centroid of a triangle that is turned, else 0
   int most_along = 0;      // largest `along` of its points
-  unsigned int lanes = 0;  // bits of those that are points; the others repeat the last one
+  unsigned int lanes = 0;  // bits of the lanes that are points; other lanes repeat the last
 };
 
 inline constexpr int most_divisions = 24;  // parts of an edge
 
-// All n² of them, in the order of visit_centroids(). They are made once.
+// Returns all n² centroids in the order of visit_centroids(). They are made once.
 const std::vector<PointBlock>& point_blocks(int n);
 
 // Numbers of the points along the first edge, j steps up.

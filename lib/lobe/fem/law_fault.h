@@ -7,8 +7,8 @@
 
 namespace lobe {
 
-std::string law_fault(const Elastic& elastic);  // why not; empty: they do
-// What is wrong with its Prony series, or with that beside its other moduli; empty: nothing.
+std::string law_fault(const Elastic& elastic);  // says why not; empty: they make one
+// Says what is wrong with the Prony series, alone or beside the other moduli; empty: nothing.
 std::string viscosity_fault(const Elastic& elastic);
 
 // Whether a law with two families of fibres knows their plane where this unit vector is their direction. True

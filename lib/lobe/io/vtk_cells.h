@@ -13,13 +13,13 @@ struct VtkCells {
 };
 
 void add_points(const std::vector<double>& coordinates, Polygons& polygons);
-// Appends triangles, quadrangles and polygons; of a strip its triangles, of a six-node triangle the corners.
+// Appends triangles, quadrangles, polygons, triangles of strips, and the corners of six-node triangles.
 // Corners are not checked against the points.
 void add_polygons(const VtkCells& cells, const std::string& place, Polygons& polygons);
 
 struct TakenCells {
   std::vector<std::size_t> tets;       // which cells are tetrahedra
-  std::vector<std::size_t> triangles;  // which are triangles
+  std::vector<std::size_t> triangles;  // which cells are triangles
   std::vector<std::size_t> begins;     // first place of each of these triangles in the connectivity
 };
 

@@ -41,7 +41,7 @@ inline constexpr auto smoothed_terms =
     with_each_law({{}, {.pressure = true}, {.pressure = true, .fibre = true}}, {{}, {.pressure = true}},
                   {.solid = MaterialLaw::corotational});
 
-// The same of tetrahedra and of domains whose material has a Prony series (viscous_kernels.h).
+// Terms for tetrahedra, and below for domains, whose material has a Prony series (viscous_kernels.h).
 inline constexpr auto viscous_terms =
     with_each_law({{}, {.volume = true, .pressure = true}, {.volume = true, .pressure = true, .fibre = true}},
                   {{.volume = true, .pressure = true}}, {.solid = MaterialLaw::corotational});

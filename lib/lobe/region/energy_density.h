@@ -25,7 +25,7 @@ inline Mat3<double> stress(const Elements& elements, Index tet, const Mat3<doubl
   return law_stress(nonlinear_law(elements, tet, pressure), H);
 }
 
-// The same of a smoothing domain, which has neither volume term nor guard.
+// Both for a smoothing domain, which has neither volume term nor guard.
 inline double energy_density(const Elements& elements, const SmoothedEdge& edge, const Mat3<double>& H,
                              RegionModel model, double pressure = 0) {  // mean of both ends [Pa]
   if (is_linear(model)) return linear_energy_density(smoothed_linear_law(elements, edge), H);

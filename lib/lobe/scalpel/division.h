@@ -102,7 +102,7 @@ class Division {
   std::vector<Side> sides_;
   std::vector<Index>& first_side_;  // per vertex, in sides_; negative: none
   std::vector<Changed> changed_;
-  std::vector<Index> star_, front_;  // grains around a vertex; those found there, part by part
+  std::vector<Index> star_, front_;  // grains around a vertex; the same, part by part
   struct Connected {
     Index first;             // the lowest number
     std::size_t begin, end;  // range in front_

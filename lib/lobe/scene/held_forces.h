@@ -8,8 +8,8 @@
 
 namespace lobe {
 
-// Of the boundary conditions and grasps of a world now: 3 × #vertices [N], acting on the body; 0 in
-// components that nothing holds. Costs one evaluation of the forces.
+// Returns the forces on the body by boundary conditions and grasps now: 3 × #vertices [N], 0 in components
+// that nothing holds. Costs one evaluation of the forces.
 template <class Real>
 Mat3X<double> reactions_of(World<Real>& world);
 

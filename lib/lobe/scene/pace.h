@@ -26,10 +26,10 @@ struct Pace {
   static constexpr double worth_telling = 0.75;
 };
 
-// Of the setup's mesh, materials, models, held vertices and attachments; of what touches nothing is known at
-// rest. None of a setup with implicit steps, selective masses, pre-computed or reduced regions, where nothing
-// moves, and where no levels were found stable in twelve rounds. Costs as much as building a world without
-// tools, or some of them where it is worth telling.
+// Returns the pace of a setup by its mesh, materials, models, held vertices and attachments, but not by
+// contact, which is not known at rest. Returns nothing with implicit steps, selective masses, pre-computed or
+// reduced regions, where nothing moves, and where no levels were found stable in twelve rounds. Costs as much
+// as building a world without tools, or as several where the pace is worth telling.
 std::optional<Pace> pace_at_rest(const Setup& setup);
 
 }  // namespace lobe

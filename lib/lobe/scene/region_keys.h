@@ -6,7 +6,7 @@
 
 namespace lobe {
 
-// Of a region that is not named.
+// Names a region, and below a gesture, that the scene does not name.
 inline void after_reading(const nlohmann::json& object, Region& region) {
   if (!object.contains("name")) region.name = name(region.model);
 }

@@ -17,8 +17,8 @@ namespace lobe {
 using Level = std::uint8_t;
 inline constexpr Level highest_level = 5;  // 32 short steps
 
-// The level of each vertex by its own frequency: the highest l with 2^l ω_v ≤ ω_max. Of one that does not
-// move by itself, with ω_v = 0: highest_level.
+// The level of each vertex by its own frequency: the highest l with 2^l ω_v ≤ ω_max. A vertex that does not
+// move by itself, with ω_v = 0, has highest_level.
 std::vector<Level> levels_of_vertices(const std::vector<double>& squares,  // ω_v² per vertex [1/s²]
                                       double highest);                     // ω_max² [1/s²]
 
@@ -49,7 +49,7 @@ std::vector<Level> levels_of_parts(Index parts, VerticesOf&& vertices_of,  // (p
   return levels;
 }
 
-// Evaluations of parts, as a share of those that one step for all takes: the mean of 2^−level.
+// The share of evaluations that own steps leave of those of one step for all: the mean of 2^−level.
 double evaluated_share(std::span<const Level> levels,
                        std::span<const double> costs);  // cost of each part; empty: all cost the same
 

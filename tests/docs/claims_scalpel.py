@@ -110,10 +110,6 @@ def table_blade():
     return "\n".join(lines + ["| " + " | ".join(row) + " |" for row in body])
 
 
-def livers(column, region):
-    return [one("scalpel", column, mesh=mesh, region=region) for mesh in ("liver_10k", "liver_0.00575")]
-
-
 def slow_steps():
     return [row["step_ratio"] for row in rows("scalpel", region="tensor-mass") if row["step_ratio"] > 1.1]
 
@@ -125,11 +121,6 @@ def floored():
 L, GUIDE = "docs/limitations.md", "docs/guide/cut.md"
 
 CLAIMS = [
-    (L, lambda: f"the geometry of the small liver takes {livers('geometry_us', 'nonlinear')[0]:.1f} µs "
-                "per cut tetrahedron"),
-    (L, lambda: "All together takes {:.0f} and {:.0f} µs on the livers (12), ".format(
-        *livers("all_us", "nonlinear")) +
-        "tensor-mass {:.0f} and {:.0f} µs (15)".format(*livers("all_us", "tensor-mass"))),
     (L, lambda: "takes " + " and ".join(f"{ratio:.2f}" for ratio in slow_steps()) +
         " times as long on two of three tensor-mass bodies (aim: 1.10)"),
     (L, lambda: f"It takes {span(rows('scalpel', region='tensor-mass'), 'loose_ratio', 2)} times as long "

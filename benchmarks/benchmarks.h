@@ -21,6 +21,7 @@ struct Options {
   bool loop = false;         // haptic: only how punctual the loop is
   bool predictions = false;  // haptic: only what is felt between frames
   std::string model;         // stress: only this one; empty: all
+  std::string family;        // validation: only this one; empty: all
   double minutes = 10;       // soak: of wall time; live: simulated
   int frames = 1'000'000;    // soak: of each session
   std::vector<std::filesystem::path> scenes;  // accuracy, hybrid, realtime: in place of the shipped ones

@@ -42,6 +42,7 @@ void add_options(CLI::App& app, Arguments& arguments) {
   app.add_flag("--reduced", options.reduced,
                "hybrid: only gestures, all non-linear and all reduced, and natural frequencies");
   app.add_option("--model", options.model, "stress: only this model");
+  app.add_option("--family", options.family, "validation: only this family of cases");
   app.add_option("--frames", options.frames, "soak: of each session")->check(CLI::Range(10, 100'000'000));
   app.add_option("--minutes", options.minutes, "soak: how long; live: simulated minutes of random hands")
       ->check(CLI::Range(0.01, 1e5))

@@ -5,8 +5,10 @@
 #include <limits>
 #include <stdexcept>
 
+#include "benchmarks/benchmarks.h"
 #include "benchmarks/validation/cases.h"
 #include "benchmarks/validation/table.h"
+#include "lobe/error.h"
 #include "near.h"
 
 using namespace lobe::validation;
@@ -40,6 +42,19 @@ TEST_CASE("what a family throws is a failed row, after those it had found") {
   CHECK(findings.rows()[0].passed);
   CHECK(!findings.rows()[1].passed);
   CHECK(csv(findings.rows()).find("no equilibrium") != std::string::npos);
+}
+
+TEST_CASE("a family that does not exist is named, with those that do") {
+  lobe::bench::Options options;
+  options.family = "silicon beam";
+  try {
+    lobe::bench::bench_validation(options);
+    FAIL("it was run");
+  } catch (const lobe::InputError& error) {
+    const std::string message = error.what();
+    CHECK(message.find("silicon beam: no such family") != std::string::npos);
+    CHECK(message.find("silicone beam in motion") != std::string::npos);
+  }
 }
 
 TEST_CASE("orders and limits of known sequences are found") {

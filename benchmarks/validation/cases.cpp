@@ -18,6 +18,7 @@ std::span<const Family> all_families() {
       {"fibres", fibre_benchmarks},
       {"quadratic tetrahedra", quadratic_tetrahedra},
       {"silicone beam", silicone_beam},
+      {"silicone beam in motion", silicone_beam_motion},
   };
   return list;
 }

@@ -20,6 +20,7 @@ void natural_frequencies(Findings& findings, bool quick);
 void fibre_benchmarks(Findings& findings, bool quick);
 void quadratic_tetrahedra(Findings& findings, bool quick);
 void silicone_beam(Findings& findings, bool quick);
+void silicone_beam_motion(Findings& findings, bool quick);
 void land_beam(Findings& findings);  // some minutes
 
 struct Family {

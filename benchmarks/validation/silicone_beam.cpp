@@ -1,13 +1,11 @@
 // A real beam of silicone that bends under its weight and a load (data/measurements/README.md). Young's
 // modulus is fitted to one case, the others are predicted.
 #include <cmath>
-#include <fstream>
-#include <map>
-#include <sstream>
 #include <stdexcept>
 
 #include "benchmarks/validation/bodies.h"
 #include "benchmarks/validation/cases.h"
+#include "benchmarks/validation/silicone_specimen.h"
 #include "lobe/mesh/generators.h"
 #include "lobe/scene/material_constants.h"
 #include "lobe/solve/quadratic_solver.h"
@@ -15,10 +13,6 @@
 
 namespace lobe::validation {
 namespace {
-
-constexpr double silicone_length = 0.1, beam_side = 0.03, marker_height = 0.024;  // [m]
-constexpr double silicone_density = 1070, silicone_poisson = 0.45;                // [kg/m³]
-constexpr double seen_load = 0.51012, unseen_load = 1.00062;                      // [N]
 
 struct BeamMesh {
   int along = 13, across = 4, up = 6;
@@ -37,17 +31,17 @@ class SiliconeBeam {
  public:
   explicit SiliconeBeam(const BeamMesh& size)
       : size_(size),
-        mesh_(box_mesh({silicone_length, beam_side, beam_side}, size.along, size.across, size.up)),
+        mesh_(box_mesh({silicone::length, silicone::side, silicone::side}, size.along, size.across, size.up)),
         nodes_(mesh_) {}
 
   // Displacement of the marker [m] with a modulus [Pa] and a load on the upper edge of the free end [N].
   double marker(double modulus, double load) const {
-    const LamePair lame = lame_from_young(modulus, silicone_poisson);
-    Setup setup = body_of(mesh_, {lame.lambda, lame.mu, silicone_density}, RegionModel::nonlinear);
+    const LamePair lame = lame_from_young(modulus, silicone::poisson);
+    Setup setup = body_of(mesh_, {lame.lambda, lame.mu, silicone::density}, RegionModel::nonlinear);
     setup.materials[0].element = size_.element;
     prescribe(setup, vertices_where(mesh_, [](const Vec3d& X) { return X.x() == 0; }),
               [](const Vec3d&) { return Vec3d::Zero(); });
-    setup.gravity = {0, 0, -9.807};
+    setup.gravity = {0, 0, -silicone::gravity};
     if (!size_.is_quadratic) {
       hang(load, mesh_.points, [&](Index v, double force) {
         setup.vertex_loads.push_back({v, {0, 0, force}});
@@ -82,24 +76,15 @@ class SiliconeBeam {
   template <class Add>
   void hang(double load, const Mat3X<double>& X, const Add& add) const {
     for (Index n = 0; n < X.cols(); ++n) {
-      const bool on_edge = std::abs(X(0, n) - silicone_length) < 1e-9 && std::abs(X(2, n) - beam_side) < 1e-9;
-      const bool is_end = X(1, n) < 1e-9 || X(1, n) > beam_side - 1e-9;
+      const bool on_edge =
+          std::abs(X(0, n) - silicone::length) < 1e-9 && std::abs(X(2, n) - silicone::side) < 1e-9;
+      const bool is_end = X(1, n) < 1e-9 || X(1, n) > silicone::side - 1e-9;
       if (on_edge && (size_.is_quadratic || n < mesh_.vertex_count()))
         add(n, -load * share_of_node(n < mesh_.vertex_count(), is_end, size_.across, size_.is_quadratic));
     }
   }
 
-  // On the vertical edge of the side face at the free end, linearly between the vertices around it.
-  double at_marker(const Mat3X<double>& u) const {
-    const double h = beam_side / size_.up;
-    Vec3d sum = Vec3d::Zero();
-    for (Index v = 0; v < mesh_.vertex_count(); ++v) {
-      const Vec3d X = mesh_.points.col(v);
-      const double away = std::abs(X.z() - marker_height) / h;
-      if (std::abs(X.x() - silicone_length) < 1e-9 && X.y() < 1e-9 && away < 1) sum += (1 - away) * u.col(v);
-    }
-    return sum.norm();
-  }
+  double at_marker(const Mat3X<double>& u) const { return silicone::at_marker(mesh_, u).norm(); }
 
   BeamMesh size_;
   TetMesh mesh_;
@@ -107,19 +92,8 @@ class SiliconeBeam {
 };
 
 std::map<std::string, double> measured_displacements() {  // [m]
-  std::ifstream file(LOBE_MEASUREMENTS "/silicone_beam.csv");
-  std::map<std::string, double> found;
-  std::string line, name, load, value;
-  std::getline(file, line);
-  while (std::getline(file, line)) {
-    std::istringstream fields(line);
-    std::getline(fields, name, ',');
-    std::getline(fields, load, ',');
-    std::getline(fields, value);
-    found[name] = std::stod(value) / 1000;
-  }
-  if (found.size() != 4)
-    throw std::runtime_error("data/measurements/silicone_beam.csv has not its four cases");
+  auto found = silicone::measured("silicone_beam.csv", "equilibrium_mm");
+  for (auto& [name, displacement] : found) displacement /= 1000;
   return found;
 }
 
@@ -135,7 +109,7 @@ void predict(Findings& findings, const std::string& name, const SiliconeBeam& be
   findings.value(name, "displacement, gravity_b", "m", beam.marker(modulus, 0),
                  {measured.at("gravity_b"), motion_capture}, tolerance);
   findings.value(
-      name, "displacement, 0.51 N", "m", beam.marker(modulus, seen_load),
+      name, "displacement, 0.51 N", "m", beam.marker(modulus, silicone::seen_load),
       {(measured.at("load_0.51N_a") + measured.at("load_0.51N_b")) / 2, "motion capture, two repeats"},
       tolerance);
 }
@@ -151,7 +125,7 @@ void silicone_beam(Findings& findings, bool quick) {
   const std::string name = "quadratic tetrahedra, predicted";
   predict(findings, name, best, modulus,
           {0.06, "asked; repeats differ by 1.2 %, the clamp slips by 1 to 4 %"});
-  findings.value(name, "displacement, 1.00062 N", "m", best.marker(modulus, unseen_load),
+  findings.value(name, "displacement, 1.00062 N", "m", best.marker(modulus, silicone::unseen_load),
                  {predicted_unseen, "the prediction that was committed; no measurement"},
                  {quick ? 0.01 : 1e-4, quick ? "a coarser mesh" : "digits"});
   predict(findings, "P1, 1,248 tetrahedra, with that modulus", SiliconeBeam({13, 4, 4, false}), modulus,

@@ -58,6 +58,7 @@ MEASURES = {  # table: folders and files whose code decides its figures
     "scalpel_beam_order": SCALPEL,
     "scalpel_limit": SCALPEL + ("lib/lobe/time",),
     "scalpel_precomputed": SCALPEL + ("lib/lobe/condense",),
+    "silicone_beam_motion": ("lib/lobe/fem/prony.h", "benchmarks/validation/silicone*", "benchmarks/validation/swing.*"),
     "skin": ("lib/lobe/skin", "benchmarks/skin.cpp"),
     "soak_sessions": ("lib/lobe/live", "lib/lobe/run", "benchmarks/soak*"),
     "stress": STEP + CUT + ("benchmarks/stress",),

@@ -215,12 +215,23 @@ def table_laws():
             markdown(["law", "constant", "type", "meaning"], body))
 
 
+def unit(row):
+    return "" if row["unit"] == "-" else f" {row['unit']}"
+
+
+def table_beam_in_motion():
+    body = [[row["case"], row["quantity"], f"{row['measured']:.4g}{unit(row)}", f"{row['reference']:.4g}{unit(row)}",
+             percent(row["measured"] / row["reference"] - 1) if row["reference"] else ""] for row in rows("silicone_beam_motion")]
+    return markdown(["case", "quantity", "lobe", "reference", "lobe is off by"], body)
+
+
 TABLES = {"laws": table_laws, "old": lambda: ages.list_of_old(ROOT), "reduced": table_reduced, "reduced-setup": table_reduced_setup, "frequencies": table_frequencies,
           "accuracy-undeclared": table_accuracy_undeclared,
           "meshing-quality": table_meshing_quality, "meshing-fuzz": table_meshing_fuzz,
           "blade": table_blade, "contact": table_contact, "haptic": table_haptic,
           "haptic_touch": lambda: table_haptic("touch"), "haptic_fine": table_haptic_fine, "palpation": table_palpation,
           "elements": table_elements, "huge": table_huge, "live": table_live, "realtime": table_realtime, "hybrid": table_hybrid,
+          "beam-in-motion": table_beam_in_motion,
           "gestures": table_gestures, "gestures-meshes": table_gestures_meshes}
 TABLE = re.compile(r"(<!-- table: ([\w-]+) -->\n)((?:(?!<!--).)*)(<!-- end -->)", re.S)  # may be empty
 

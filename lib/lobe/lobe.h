@@ -130,7 +130,8 @@
 //   Prony series: up to three terms, each a share of the moduli at once that relaxes in a time; the
 //     viscosity of a material.
 //   branch: a spring in series with a dashpot beside a solid: one term of a Prony series.
-//   at once: to what is sudden, before anything relaxes; slow moduli are those after long rest.
+//   at once: to what is sudden, before anything relaxes: instantaneous moduli; slow ones are those after long
+//     rest, long-term moduli.
 //   tangle: neighbouring tetrahedra that are crushed or inverted and keep each other so; the world unravels
 //     it.
 //   surface: the boundary triangles of the tetrahedra, with cut faces; for drawing and contact.

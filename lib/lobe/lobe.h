@@ -197,6 +197,7 @@
 #include "lobe/linearity/watch.h"
 #include "lobe/live/pick.h"
 #include "lobe/live/session_scene.h"
+#include "lobe/live/sewing.h"
 #include "lobe/mesh/generators.h"
 #include "lobe/mesh/joined_mesh.h"
 #include "lobe/mesh/quality.h"

@@ -98,7 +98,8 @@ void Thread::tie(Index from, Index to, double closing, double tighten, double ov
 
 std::string Thread::fault_of_tie(Index from, Index to) const {
   if (from < 0 || to >= Index(bites.size()) || from >= to)
-    return "has " + std::to_string(bites.size()) + " bites: a knot is between two of them, in their order";
+    return "has " + std::to_string(bites.size()) + (bites.size() == 1 ? " bite" : " bites") +
+           ": a knot is between two of them, in their order";
   for (Index s = from; s < to; ++s)
     if (spans[std::size_t(s)].is_cut)
       return "was cut after bite " + std::to_string(bites[std::size_t(s)].number) +

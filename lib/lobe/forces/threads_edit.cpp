@@ -15,6 +15,25 @@ std::string named(const Thread& thread) { return "thread \"" + thread.name + "\"
   throw InputError(named(thread), why);
 }
 
+// The place of a bite by its number. Numbers below 0 count from the last one, which is −1.
+Index place_of(const Thread& thread, Index number) {
+  const auto count = Index(thread.bites.size());
+  const Index place = number >= 0 ? thread.find(number) : std::max(count + number, Index(-1));
+  if (place < 0)
+    refuse(thread,
+           count == 0 ? "passes no tissue" : "has no bite " + std::to_string(number) + ", or not any more");
+  return place;
+}
+
+void draw_in(ThreadKnot& knot, double length, double over) {
+  if (over > 0) {
+    knot.to_tighten += length;
+    knot.rate = knot.to_tighten / over;
+  } else {
+    knot.closing.length -= length;
+  }
+}
+
 template <class At>
 double way_between(const Thread& thread, Index a, Index b, const At& at) {  // of two bites [m]
   const auto place = [&](Index i) {
@@ -112,34 +131,39 @@ void Threads<Real>::pull(int number, bool on, const Vec3d& point, const At& at) 
   is_arranged_ = false;
 }
 
+// A knot that is there already is drawn together further.
 template <class Real>
 void Threads<Real>::tie(int number, Index from, Index to, double tighten, double over, const At& at) {
   Thread& thread = find(number);
   if (!thread.is_sewn) refuse(thread, "is not sewn yet");
   if (!(tighten >= 0 && std::isfinite(tighten) && over >= 0 && std::isfinite(over)))
     refuse(thread, "is tightened by a length or in a time that is below 0 or not finite");
-  for (const Index bite : {from, to})
-    if (thread.find(bite) < 0) refuse(thread, "has no bite " + std::to_string(bite) + ", or not any more");
-  from = thread.find(from);
-  to = thread.find(to);
-  if (const std::string fault = thread.fault_of_tie(from, to); !fault.empty()) refuse(thread, fault);
-  lengthen_to_fit(thread, from, to, at);
-  const double closing = way_between(thread, from, to, at);
+  from = place_of(thread, from);
+  to = place_of(thread, to);
+  const auto is_it = [&](const ThreadKnot& knot) { return knot.from == from && knot.to == to; };
+  const auto present = std::find_if(thread.knots.begin(), thread.knots.end(), is_it);
+  const bool is_tied = present != thread.knots.end() && tighten > 0;
+  if (const std::string fault = thread.fault_of_tie(from, to); !is_tied && !fault.empty())
+    refuse(thread, fault);
+  if (!is_tied) lengthen_to_fit(thread, from, to, at);
+  const double closing =
+      is_tied ? present->closing.length - present->to_tighten : way_between(thread, from, to, at);
   double path = closing;
   for (Index i = from; i < to; ++i) path += thread.spans[std::size_t(i)].length;
   if (tighten > path / 2)
     refuse(thread, "is tightened by " + rounded(tighten) + " m, more than half of its loop of " +
                        rounded(path) + " m");
-  thread.tie(from, to, closing, tighten, over);
+  if (is_tied)
+    draw_in(*present, tighten, over);
+  else
+    thread.tie(from, to, closing, tighten, over);
   is_arranged_ = false;
 }
 
 template <class Real>
 void Threads<Real>::cut(int number, Index after) {
   Thread& thread = find(number);
-  const Index at = thread.find(after);
-  if (at < 0) refuse(thread, "has no bite " + std::to_string(after) + ", or not any more");
-  thread.cut_after(at);
+  thread.cut_after(place_of(thread, after));
   is_arranged_ = false;
 }
 

@@ -12,9 +12,26 @@ namespace {
 using Clock = Pace::Clock;
 using Kind = HandCommand::Kind;
 
+// Whether an edit sews. A hand that pulls a thread already goes on with that.
+template <class Real>
+bool sews(const Edit& edit, const World<Real>& world) {
+  const Pull* pull = std::get_if<Pull>(&edit);
+  if (!pull)
+    return std::holds_alternative<Bite>(edit) || std::holds_alternative<Tie>(edit) ||
+           std::holds_alternative<CutThread>(edit);
+  const Threads<Real>* threads = term_of<Threads>(world.body().terms);
+  return pull->on && threads &&
+         std::none_of(threads->all().begin(), threads->all().end(), [&](const Thread& thread) {
+           return thread.number == pull->thread && thread.hand.holds;
+         });
+}
+
 // Whether a hand begins something with it: one can go back to the moment before.
-bool begins_an_act(Kind kind) {
-  return kind == Kind::take_at_ray || kind == Kind::take_at_point || kind == Kind::bring;
+template <class Real>
+bool begins_an_act(const HandCommand& command, const World<Real>& world) {
+  if (command.kind == Kind::edit) return command.body_edit && sews(*command.body_edit, world);
+  return command.kind == Kind::take_at_ray || command.kind == Kind::take_at_point ||
+         command.kind == Kind::bring;
 }
 
 bool is_above_0(double value) { return value > 0 && std::isfinite(value); }
@@ -177,7 +194,7 @@ void Session<Real>::perform_command(const HandQueue::Sent& sent) {
     const bool goes_back = sent.command.kind == Kind::restart || sent.command.kind == Kind::back;
     if (has_failed_ && !goes_back && sent.command.kind != Kind::alive)
       throw InputError("session", "has failed: go back, or restart");
-    if (begins_an_act(sent.command.kind)) timeline_.keep();
+    if (begins_an_act(sent.command, world_)) timeline_.keep();
     if (sent.command.kind <= Kind::let_go)
       hands_.perform_command(sent.controller, sent.command);
     else

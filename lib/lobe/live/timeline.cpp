@@ -59,6 +59,11 @@ void Timeline<Real>::restore(SavedSession<Real> saved) {
 template <class Real>
 void Timeline<Real>::let_go_of_all() {
   for (ToolId tool : world_.tools().held_by_hands()) apply(LetGo{tool});
+  std::vector<int> pulled;  // threads
+  if (const Threads<Real>* threads = term_of<Threads>(world_.body().terms))
+    for (const Thread& thread : threads->all())
+      if (thread.hand.holds) pulled.push_back(thread.number);
+  for (const int thread : pulled) apply(Pull{thread, false});
 }
 
 // ---- Files

@@ -301,6 +301,108 @@ lobe_status lobe_get_tool(lobe_session* session, uint32_t tool, lobe_tool* state
   });
 }
 
+// ---- Thread
+
+namespace {
+
+// Does something with a thread; false: the queue is full.
+template <class Sew>
+lobe_status sewn(lobe_session* session, const Sew& sew) {
+  return guarded([&] {
+    require(session, "session");
+    return sew(session->sewing(), session->axes) ? LOBE_OK : fail(LOBE_BUSY, "the queue of commands is full");
+  });
+}
+
+lobe::ThreadMaterial material_of(const lobe_thread_material* given) {
+  lobe::ThreadMaterial material;
+  if (given == nullptr) return material;
+  const lobe_thread_material asked = of_caller(given, "lobe_thread_material");
+  if (asked.stiffness != 0) material.stiffness = asked.stiffness;
+  if (asked.friction != 0) material.friction = std::max(0.0, asked.friction);
+  if (asked.strength != 0) material.strength = asked.strength;
+  if (asked.holds != 0) material.holds = asked.holds;
+  material.check(
+      [](bool holds, const std::string& fault) {
+        if (!holds) throw InputError("lobe_thread_material", fault);
+      },
+      "a thread");
+  return material;
+}
+
+}  // namespace
+
+lobe_status lobe_thread(lobe_session* session, uint32_t thread, const lobe_thread_material* material) {
+  return sewn(session, [&](lobe::SewingHand& hand, const lobe::c::Axes&) {
+    return hand.bring(int(thread), material_of(material));
+  });
+}
+
+lobe_status lobe_bite(lobe_session* session, uint32_t thread, const double point[3]) {
+  return sewn(session, [&](lobe::SewingHand& hand, const lobe::c::Axes& axes) {
+    return hand.bite_at(int(thread), axes.point_in(vector_of(point, "point")));
+  });
+}
+
+lobe_status lobe_bite_ray(lobe_session* session, uint32_t thread, const double origin[3],
+                          const double direction[3], double depth) {
+  return sewn(session, [&](lobe::SewingHand& hand, const lobe::c::Axes& axes) {
+    return hand.bite_below(int(thread), axes.point_in(vector_of(origin, "origin")),
+                           axes.direction_in(vector_of(direction, "direction")), axes.length_in(depth));
+  });
+}
+
+lobe_status lobe_pull(lobe_session* session, uint32_t thread, const double point[3]) {
+  return sewn(session, [&](lobe::SewingHand& hand, const lobe::c::Axes& axes) {
+    if (point == nullptr) return hand.let_go(int(thread));
+    return hand.pull(int(thread), axes.point_in(vector_of(point, "point")));
+  });
+}
+
+lobe_status lobe_pull_on(lobe_session* session, uint32_t thread, const double direction[3], double force,
+                         double speed) {
+  return sewn(session, [&](lobe::SewingHand& hand, const lobe::c::Axes& axes) {
+    return hand.pull_on(int(thread), axes.direction_in(vector_of(direction, "direction")), force,
+                        axes.length_in(speed));
+  });
+}
+
+lobe_status lobe_tie(lobe_session* session, uint32_t thread, int32_t from, int32_t to, double tighten,
+                     double over) {
+  return sewn(session, [&](lobe::SewingHand& hand, const lobe::c::Axes& axes) {
+    return hand.tie(int(thread), from, to, axes.length_in(tighten), over);
+  });
+}
+
+lobe_status lobe_cut_thread(lobe_session* session, uint32_t thread, int32_t after) {
+  return sewn(session,
+              [&](lobe::SewingHand& hand, const lobe::c::Axes&) { return hand.cut(int(thread), after); });
+}
+
+lobe_status lobe_remove_thread(lobe_session* session, uint32_t thread) {
+  return sewn(session,
+              [&](lobe::SewingHand& hand, const lobe::c::Axes&) { return hand.remove(int(thread)); });
+}
+
+uint32_t lobe_thread_lines(lobe_session* session, uint32_t capacity, float* ends, float* tensions) {
+  std::uint32_t count = 0;
+  guarded([&] {
+    require(session, "session");
+    for (const lobe::LinesSnapshot& line : session->lines()) {
+      if (line.term != lobe::Threads<float>::term_name) continue;
+      for (std::size_t i = 0; i < line.tensions.size(); ++i, ++count) {
+        if (count >= capacity) continue;
+        for (int k = 0; ends != nullptr && k < 2; ++k)
+          Eigen::Map<Eigen::Vector3f>(ends + 6 * std::size_t(count) + 3 * k) =
+              session->axes.point_out(line.ends.col(Eigen::Index(2 * i) + k).cast<double>()).cast<float>();
+        if (tensions != nullptr) tensions[count] = line.tensions[i];
+      }
+    }
+    return LOBE_OK;
+  });
+  return count;
+}
+
 // ---- Haptics
 
 namespace {

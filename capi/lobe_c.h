@@ -133,6 +133,42 @@ typedef struct lobe_tool {
  * 1 kHz. LOBE_NOT_YET: there is no such tool, or it holds nothing. */
 LOBE_API lobe_status lobe_get_tool(lobe_session* session, uint32_t tool, lobe_tool* state);
 
+/* ---- Thread (docs/guide/sew.md). The caller chooses a number for each thread; those of a scene are 0, 1, …
+ * What is done acts at the start of the next frame, in order. Where a thread passes is looked for at once,
+ * which waits for the end of a frame. A message `refused` names what then cannot be done, such as to tie a
+ * thread that is cut. */
+
+typedef struct lobe_thread_material {
+  uint32_t size;    /* sizeof(lobe_thread_material) */
+  uint32_t unused;  /* 0 */
+  double stiffness; /* tension per strain [N]; 0 means 98, a braided 3-0 thread */
+  double friction;  /* where it passes through tissue; 0 means 0.2, below 0: none */
+  double strength;  /* tension above which it breaks [N]; 0 means any */
+  double holds;     /* force that tissue bears at a bite before the thread cuts into it [N]; 0 means any */
+} lobe_thread_material;
+LOBE_API lobe_status lobe_thread(lobe_session* session, uint32_t thread,
+                                 const lobe_thread_material* material); /* may be NULL */
+/* Draws it through the tissue, after its earlier bites: at a point, or `depth` below where a ray enters the
+ * body. LOBE_BAD_INPUT for a place that is outside of the tissue, with how far. */
+LOBE_API lobe_status lobe_bite(lobe_session* session, uint32_t thread, const double point[3]);
+LOBE_API lobe_status lobe_bite_ray(lobe_session* session, uint32_t thread, const double origin[3],
+                                   const double direction[3], double depth);
+/* Takes its free ends in a hand at a point, or leads them there, as a hand moves tools. NULL: lets go. */
+LOBE_API lobe_status lobe_pull(lobe_session* session, uint32_t thread, const double point[3]);
+/* Goes on pulling a thread that lobe_pull() holds, no faster than `speed` per second, until its ends pull
+ * with `force` [N]. */
+LOBE_API lobe_status lobe_pull_on(lobe_session* session, uint32_t thread, const double direction[3],
+                                  double force, double speed);
+/* Ties a knot between two bites, counted from 0 in the order of sewing; -1 is the last one, -2 that before. A
+ * knot that is there already is drawn together by `tighten` more, in the time `over` [s]. */
+LOBE_API lobe_status lobe_tie(lobe_session* session, uint32_t thread, int32_t from, int32_t to,
+                              double tighten, double over);
+LOBE_API lobe_status lobe_cut_thread(lobe_session* session, uint32_t thread, int32_t after); /* a bite */
+LOBE_API lobe_status lobe_remove_thread(lobe_session* session, uint32_t thread); /* cut after each bite */
+/* Writes the segments of all threads in the latest snapshot: of each both ends, six floats, and its tension
+ * [N]. As many are written as fit; either may be NULL. Returns how many there are. */
+LOBE_API uint32_t lobe_thread_lines(lobe_session* session, uint32_t capacity, float* ends, float* tensions);
+
 /* ---- Haptics: the servo loop of a device leads a tool, and asks for its force (docs/haptics.md) */
 
 typedef struct lobe_haptic_device {

@@ -58,7 +58,8 @@ class SessionOf : public lobe_session {
       : scene_(std::move(scene)),
         setup_(session_setup(scene_, std::move(resolved.setup))),
         session_(setup_, options),
-        controller_(session_.connect("engine")) {}
+        controller_(session_.connect("engine")),
+        sewing_(session_, [this](const HandCommand& command) { return controller_.send(command); }) {}
 
   ~SessionOf() override { haptic_tools.clear(); }
 
@@ -81,6 +82,11 @@ class SessionOf : public lobe_session {
     return picture ? picture->figures.tets : setup_.mesh.tet_count();
   }
   bool fill(lobe_surface& surface) override;
+  SewingHand& sewing() override { return sewing_; }
+  std::vector<LinesSnapshot> lines() const override {
+    const auto picture = session_.pictures().latest();
+    return picture ? picture->lines : std::vector<LinesSnapshot>();
+  }
   void save_scene(const std::string& file) override {
     between([&] { io::write_file(file, to_json(session_scene(scene_, setup_, session_))); });
   }
@@ -103,6 +109,7 @@ class SessionOf : public lobe_session {
   Setup setup_;
   Session<Real> session_;
   Controller controller_;
+  Sewing<Real> sewing_;
 };
 
 template <class Real>

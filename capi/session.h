@@ -8,7 +8,7 @@
 
 #include "axes.h"
 #include "haptic_tools.h"
-#include "lobe/live/session.h"
+#include "lobe/live/sewing.h"
 #include "lobe/scene/resolve.h"
 #include "lobe_c.h"
 
@@ -24,6 +24,8 @@ struct lobe_session {
   virtual bool fill(lobe_surface& surface) = 0;                          // false: there is no picture yet
   virtual lobe::Index tet_count() const = 0;                             // tetrahedra of the latest picture
   virtual std::shared_ptr<void> lead_by(lobe::c::HapticTool& tool) = 0;  // leads it until the result goes
+  virtual lobe::SewingHand& sewing() = 0;
+  virtual std::vector<lobe::LinesSnapshot> lines() const = 0;  // of the latest picture
   virtual void save_scene(const std::string& file) = 0;
   virtual void save_recording(const std::string& file) = 0;
   virtual void save(const std::string& file) = 0;

@@ -36,6 +36,53 @@ static double enclosed(const lobe_surface* s) { /* [m3], by the divergence theor
   return six / 6;
 }
 
+/* Sews with a thread in a scene whose axes have y up and millimetres: a block of 80 x 60 x 12 mm. */
+static void sew(const char* data) {
+  static const char* block =
+      "{\"mesh\": \"meshes/flank_5k.vtu\", \"materials\": [{\"lame_lambda\": 4e4, \"lame_mu\": 1e4}],"
+      "\"boundary\": [{\"fix\": true, \"where\": {\"plane\": {\"point\": [0, 0, 0], \"normal\": [1, 0, 0],"
+      "\"within\": 1e-6}}}], \"time\": {\"damping\": 20}}";
+  const lobe_options options = {.size = sizeof options, .axes = {1e3, 0, 0, 0, 0, 0, 1e3, 0, 0, 1e3, 0, 0}};
+  lobe_session* session = NULL;
+  CHECK(lobe_open_text(block, data, &options, &session) == LOBE_OK);
+  if (!session) return;
+  const lobe_thread_material material = {.size = sizeof material, .strength = 20, .friction = -1};
+  const double down[3] = {0, -1, 0}, left[3] = {30, 100, 30}, inside[3] = {50, 6, 30},
+               outside[3] = {50, 17, 30}, above[3] = {40, 30, 30}, higher[3] = {40, 36, 30},
+               up[3] = {0, 1, 0};
+  CHECK(lobe_thread(session, 3, &material) == LOBE_OK);
+  CHECK(lobe_bite_ray(session, 3, left, down, 6) == LOBE_OK);
+  CHECK(lobe_bite(session, 3, outside) == LOBE_BAD_INPUT && strstr(lobe_last_error(), "0.005 m outside"));
+  CHECK(lobe_bite_ray(session, 3, left, up, 6) == LOBE_BAD_INPUT && strstr(lobe_last_error(), "no tissue"));
+  CHECK(lobe_bite_ray(session, 3, left, down, 20) == LOBE_BAD_INPUT && strstr(lobe_last_error(), "thinner"));
+  CHECK(lobe_bite(session, 3, inside) == LOBE_OK);
+  CHECK(lobe_pull_on(session, 3, up, 0.1, 20) == LOBE_BAD_INPUT);
+  CHECK(lobe_pull(session, 3, above) == LOBE_OK && lobe_advance(session, 2) == LOBE_OK);
+  CHECK(lobe_thread_lines(session, 0, NULL, NULL) == 3); /* from the hand, between the bites, to the hand */
+  CHECK(lobe_pull(session, 3, higher) == LOBE_OK && lobe_advance(session, 40) == LOBE_OK);
+  float ends[18], tensions[3];
+  CHECK(lobe_thread_lines(session, 3, ends, tensions) == 3);
+  CHECK(tensions[0] > 0 && fabsf(ends[0] - 40) < 0.01f && fabsf(ends[1] - 36) < 0.01f);
+  CHECK(!memcmp(ends + 3, ends + 6, 3 * sizeof(float)) && !memcmp(ends, ends + 15, 3 * sizeof(float)));
+  CHECK(ends[4] < ends[1] && fabsf(ends[5] - 30) < 2); /* the first bite */
+  CHECK(lobe_tie(session, 3, 0, -1, 2, 0.05) == LOBE_OK && lobe_advance(session, 20) == LOBE_OK);
+  CHECK(lobe_thread_lines(session, 3, ends, tensions) == 2 && tensions[0] > 0);
+  CHECK(lobe_cut_thread(session, 3, 0) == LOBE_OK && lobe_tie(session, 3, 0, 1, 0, 0) == LOBE_OK);
+  CHECK(lobe_advance(session, 1) == LOBE_OK);
+  char text[2000];
+  lobe_messages(session, 0, text, sizeof text);
+  CHECK(strstr(text, "what is cut cannot be tied"));
+  CHECK(lobe_remove_thread(session, 3) == LOBE_OK && lobe_advance(session, 1) == LOBE_OK);
+  CHECK(lobe_thread_lines(session, 3, ends, tensions) == 0);
+  CHECK(lobe_remove_thread(session, 4) == LOBE_BAD_INPUT && lobe_pull(session, 3, NULL) == LOBE_OK);
+  const lobe_thread_material limp = {.size = sizeof limp, .stiffness = -1};
+  CHECK(lobe_thread(session, 5, &limp) == LOBE_BAD_INPUT && strstr(lobe_last_error(), "stiffness above 0"));
+  CHECK(lobe_thread(NULL, 5, NULL) == LOBE_BAD_INPUT && lobe_thread_lines(NULL, 0, NULL, NULL) == 0);
+  CHECK(lobe_bite(session, 3, NULL) == LOBE_BAD_INPUT &&
+        lobe_pull_on(session, 3, NULL, 1, 1) == LOBE_BAD_INPUT);
+  lobe_close(session);
+}
+
 /* Names of bodies, and the body of each triangle. */
 static void two_bodies(const char* data) {
   static const char* organs =
@@ -518,6 +565,7 @@ int main(int argc, char** argv) {
   if (argc != 3) return 2;
   layout();
   two_bodies(argv[1]);
+  sew(argv[1]);
   lift_and_burn(argv[1], argv[2]);
   save_and_restore(argv[1], argv[2]);
   relaxation(argv[1]);

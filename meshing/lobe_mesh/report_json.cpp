@@ -42,6 +42,7 @@ Json as_json(const Attempt& a) {
   } else {
     json["min_dihedral"] = a.min_dihedral;
     json["time_step_star"] = a.time_step_star;
+    json["largest_gap"] = a.largest_gap;
   }
   return json;
 }
@@ -135,7 +136,7 @@ std::string in_words(const MeshReport& report) {
       text << a.failure << "\n";
     else
       text << "dt* " << rounded(a.time_step_star) << ", smallest dihedral angle " << rounded(a.min_dihedral)
-           << "°\n";
+           << "°, at most " << rounded(a.largest_gap) << " m between surface and mesh\n";
   }
   text << report.vertices << " vertices, " << report.tets << " tetrahedra of mean edge " << report.mean_edge
        << " m, with the mean volume of regular ones of " << regular_edge(q.volume / report.tets)

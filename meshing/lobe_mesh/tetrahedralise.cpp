@@ -44,15 +44,52 @@ void shorten_for_small_labels(const Model& model, MeshOptions& options, std::vec
   }
 }
 
-std::string words_of_gap(const MeshReport& report) {
+// The option that keeps thin parts, where it has not been asked for.
+std::string thin_option(const MeshOptions& options) {
+  if (options.mesher == Mesher::tetgen) return "--mesher cgal --keep-thin";
+  return options.keep_thin ? "" : "--keep-thin";
+}
+
+std::string words_of_gap(const MeshReport& report, const MeshOptions& options) {
   const SurfaceGap& gap = report.surface_to_mesh;
+  const std::string thin = thin_option(options);
   std::ostringstream text;
   text << "parts of the surface are missing from the mesh: the surface is up to " << rounded(gap.largest)
        << " m from it, at (" << rounded(gap.place.x()) << ", " << rounded(gap.place.y()) << ", "
        << rounded(gap.place.z()) << ") m; edges of " << rounded(report.keeping_edge)
        << " m would keep them (--edge " << rounded(report.keeping_edge)
-       << ", or --keep-thin for such edges only there)";
+       << (thin.empty() ? "" : ", or " + thin + " for such edges only there") << ")";
   return text.str();
+}
+
+// The bounds of the gate that a mesh misses.
+std::string missed_bounds(const MeshReport& report) {
+  std::string missed = report.missing_labels() > 0 ? "a label has no tetrahedra" : "";
+  const auto miss = [&](bool is_missed, const std::string& what, double bound, const char* unit) {
+    if (is_missed) missed += (missed.empty() ? "" : ", ") + what + " " + rounded(bound) + unit;
+  };
+  const Quality& quality = report.quality;
+  const double angle = quality.min_dihedral, altitude = quality.smallest_altitude_ratio,
+               step = report.time_step_star, gap = report.largest_gap(),
+               largest_gap = quality_gate.gap * report.longest_edge;
+  miss(angle < quality_gate.min_dihedral, "smallest dihedral angle " + rounded(angle) + "°, at least",
+       quality_gate.min_dihedral, "°");
+  miss(altitude < quality_gate.smallest_altitude_ratio,
+       "smallest altitude " + rounded(altitude) + " of the edge, at least",
+       quality_gate.smallest_altitude_ratio, "");
+  miss(step < quality_gate.time_step_star, "dt* " + rounded(step) + ", at least", quality_gate.time_step_star,
+       "");
+  miss(gap > largest_gap, rounded(gap) + " m between surface and mesh, at most", largest_gap, " m");
+  return missed;
+}
+
+// Names what may help and has not been asked for.
+std::string words_of_gate(const MeshReport& report, const Model& model, const MeshOptions& options) {
+  const std::string thin = thin_option(options);
+  return "the mesh is below the gate (" + missed_bounds(report) + "): try " +
+         (thin.empty() ? "" : thin + " (shorter edges along thin parts), ") + "another --edge, " +
+         (model.is_image() ? "or a larger --smoothing"
+                           : "--feature-angle 180 (keeps no edge sharp), or smooth the surface there");
 }
 
 }  // namespace
@@ -73,17 +110,8 @@ TetMesh mesh_model(const Model& model, const MeshOptions& options, MeshReport& r
   for (int& label : mesh.labels) label = model.labels[label];
   report.warnings.insert(report.warnings.begin(), notes.begin(), notes.end());
   report.warnings.insert(report.warnings.begin(), model.warnings.begin(), model.warnings.end());
-  if (report.keeping_edge > 0) report.warnings.push_back(words_of_gap(report));
-  if (!report.passes()) {
-    // TetGen's mesh has thin parts at the price of its shapes.
-    const bool has_thin_parts =
-        !chosen.keep_thin && chosen.mesher == Mesher::cgal && report.mesher != Mesher::cgal;
-    report.warnings.push_back(
-        "the mesh is below the gate (every label, smallest dihedral angle 15°, altitude 0.1 of the edge, "
-        "dt* 0.5, one edge between surface and mesh): try " +
-        std::string(has_thin_parts ? "--keep-thin (shorter edges along thin parts), " : "") +
-        "another --edge, --feature-angle 180 (keeps no edge sharp), or smooth the surface there");
-  }
+  if (report.keeping_edge > 0) report.warnings.push_back(words_of_gap(report, chosen));
+  if (!report.passes()) report.warnings.push_back(words_of_gate(report, model, chosen));
   return mesh;
 }
 

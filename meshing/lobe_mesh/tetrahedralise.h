@@ -75,6 +75,7 @@ struct Attempt {
   double min_dihedral = 0;    // [degrees]
   double time_step_star = 0;  // 0: it failed
   std::string failure;
+  double largest_gap = 0;  // largest distance between surface and mesh [m]
 };
 
 // The vertex that bounds the time step, by the vertex estimate.

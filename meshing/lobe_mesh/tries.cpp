@@ -194,6 +194,7 @@ void Tries::one(Mesher mesher, double factor) {
     stopwatch_.phase("measure");
     attempt.min_dihedral = now.quality.min_dihedral;
     attempt.time_step_star = now.time_step_star;
+    attempt.largest_gap = now.largest_gap();
     const auto rank = [](const MeshReport& r) {
       const double near = std::min(1.0, quality_gate.gap * r.longest_edge / r.largest_gap());
       const double volume = r.parts.size() > 1 ? std::min(1.0, kept_volume / largest_volume_error(r)) : 1;

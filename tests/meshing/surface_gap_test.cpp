@@ -99,7 +99,12 @@ TEST_CASE("a mesh without the thin parts of its surface does not pass, and says 
   CHECK(report.mesh_to_surface.largest < 0.0045);
   CHECK(report.keeping_edge == near(0.0013, 0.15));
   CHECK(says(report, "parts of the surface are missing from the mesh"));
-  CHECK(says(report, "--keep-thin"));
+  CHECK(says(report, "or --keep-thin for such edges only there"));
+  CHECK(says(report, "try --keep-thin (shorter edges along thin parts)"));
+  CHECK(says(report, " m between surface and mesh, at most 0.0045 m"));  // of the gate
+  CHECK_FALSE(says(report, "dt* 0.5"));                                  // it misses no other bound
+  for (const Attempt& attempt : report.attempts)
+    if (attempt.failure.empty()) CHECK(attempt.largest_gap >= report.largest_gap());
 }
 
 TEST_CASE("edges as short as thin parts keep them, where that is asked for or no edge is") {

@@ -133,10 +133,15 @@ TEST_CASE("where a wedge of the surface spoils all shapes, almost the same edge 
   Surface lower = inverted(upper);
   lower.points.row(2) *= -1;
   MeshReport report;
-  tetrahedralise({upper, lower}, {.edge = 0.004}, report);
+  tetrahedralise({upper, lower}, {.edge = 0.004, .keep_thin = true}, report);
   CHECK_FALSE(report.passes());
   CHECK(shape_of(report) < 0.7);
   CHECK(report.attempts.size() == 2);
+  // The warning says what is missed, and advises nothing that is done already.
+  const std::string& warning = report.warnings.back();
+  CHECK_MESSAGE(contains(warning, "below the gate (smallest dihedral angle "), warning);
+  CHECK_MESSAGE(contains(warning, "°, at least 15°"), warning);
+  CHECK_FALSE(contains(warning, "--keep-thin"));
 }
 
 TEST_CASE("where a mesh does not pass the gate, the other mesher is tried") {

@@ -1,6 +1,7 @@
 // This file is part of lobe's meshing folder: GPL-3.0-or-later, see meshing/LICENSE.
 #include "lobe_mesh/label_image.h"
 
+#include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <cmath>
 #include <utility>
@@ -108,6 +109,16 @@ void check_axes(const std::string& file, const Mat34<double>& to_world) {
   const double box = axes.colwise().norm().prod();
   if (!to_world.allFinite() || !(std::abs(axes.determinant()) > 1e-3 * box))
     throw InputError(file, "its axes are zero, parallel or not finite: the orientation is unknown");
+}
+
+double body_diagonal(const LabelImage& image) {
+  Eigen::AlignedBox3d box;  // its corners are centres of voxels
+  for (Index k = 0; k < image.size[2]; ++k)
+    for (Index j = 0; j < image.size[1]; ++j)
+      for (Index i = 0; i < image.size[0]; ++i)
+        if (image.at(i, j, k) != 0) box.extend(Vec3d(i, j, k));
+  if (box.isEmpty()) return 0;
+  return (image.to_world.leftCols<3>() * (box.sizes().array() + 1).matrix()).norm();
 }
 
 bool is_label_image(const std::filesystem::path& file) {

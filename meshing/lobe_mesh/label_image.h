@@ -20,6 +20,10 @@ struct LabelImage {
   // up.
   Mat34<double> to_world = Mat34<double>::Zero();
   std::vector<std::string> notes = {};  // notes for people on what its labels are
+  // What a unit of the file was taken for [m], where it names none: a millimetre for a segmentation of 3D
+  // Slicer, which writes no other; else 1. 0: it names one.
+  double assumed_unit = 0;
+  bool is_of_surfaces = false;  // label k + 1 is that of surface k, which voxelise() has turned into voxels
 
   std::int32_t at(Index i, Index j, Index k) const {
     return values[static_cast<std::size_t>(i) +
@@ -28,6 +32,9 @@ struct LabelImage {
                        static_cast<std::size_t>(size[1]) * static_cast<std::size_t>(k))];
   }
 };
+
+// Of the box around all voxels that are not 0 [m]; 0 if there are none.
+double body_diagonal(const LabelImage& image);
 
 // Whether the extension says so: .nrrd, .nhdr, .nii, .nii.gz.
 bool is_label_image(const std::filesystem::path& file);

@@ -71,6 +71,8 @@ LabelImage read_nifti(const std::string& file) {
   const auto axis = [](std::int64_t n) { return static_cast<double>(n); };
   image.size = checked_size(file, {axis(nifti->nx), axis(nifti->ny), axis(nifti->nz)});
   image.to_world = oriented(file, *nifti);
+  const bool names_unit = nifti->xyz_units == NIFTI_UNITS_METER || metres(nifti->xyz_units) != 1;
+  image.assumed_unit = names_unit ? 0 : 1;
   check_axes(file, image.to_world);
   check_type(file, type_of(*nifti));
   if (nifti_image_load(nifti.get()) != 0) throw InputError(file, "truncated: voxels are missing");

@@ -1,7 +1,7 @@
 // This file is part of lobe's meshing folder: GPL-3.0-or-later, see meshing/LICENSE.
 #include "lobe/error.h"
-#include "lobe_mesh/image_unit.h"
 #include "lobe_mesh/label_image_parts.h"
+#include "lobe_mesh/segment_names.h"
 
 #ifdef LOBE_TEEM
 
@@ -142,14 +142,19 @@ std::vector<Segment> segments_of(const Nrrd& nrrd) {
   return segments;
 }
 
-// 3D Slicer writes millimetres and does not say so.
-bool has_unnamed_millimetres(const Nrrd& nrrd) {
-  for (const char* unit : nrrd.spaceUnits)
-    if (unit != nullptr && *unit != '\0') return false;
-  return nrrd.spaceDim == 3 &&
-         !(text_of(nrrd, "Segment0_ID") + text_of(nrrd, "Segmentation_MasterRepresentation") +
-           text_of(nrrd, "Segmentation_ContainedRepresentationNames"))
-              .empty();
+// What a unit is taken for [m] where the file names none, else 0. 3D Slicer writes millimetres and does not
+// say so.
+double unnamed_unit(const Nrrd& nrrd) {
+  for (unsigned k = 0; k < 3; ++k) {
+    const char* unit = nrrd.spaceDim == 3 ? nrrd.spaceUnits[k] : nrrd.axis[k].units;
+    if (unit != nullptr && *unit != '\0') return 0;
+  }
+  const bool is_of_slicer =
+      nrrd.spaceDim == 3 &&
+      !(text_of(nrrd, "Segment0_ID") + text_of(nrrd, "Segmentation_MasterRepresentation") +
+        text_of(nrrd, "Segmentation_ContainedRepresentationNames"))
+           .empty();
+  return is_of_slicer ? 1e-3 : 1;
 }
 
 // A segment that has voxels, but none where it is not covered, would be lost.
@@ -180,7 +185,8 @@ LabelImage read_named(const std::string& file, std::map<int, std::string>& names
     checked_size(file, {static_cast<double>(layers) * size[0], size[1], size[2]});
     image.size = checked_size(file, size);
     image.to_world = header->spaceDim == 3 ? oriented(file, *header, first) : spaced(file, *header);
-    if (has_unnamed_millimetres(*header)) image.to_world *= 1e-3;
+    image.assumed_unit = unnamed_unit(*header);
+    if (image.assumed_unit > 0) image.to_world *= image.assumed_unit;
     check_axes(file, image.to_world);
     check_type(file, type_of(*header));
   }
@@ -209,10 +215,6 @@ bool is_nrrd_file(const std::filesystem::path& file) {
 
 }  // namespace
 
-double assumed_unit(const std::filesystem::path& file) {
-  return is_nrrd_file(file) && has_unnamed_millimetres(*load(file.string(), true)) ? 1e-3 : 1;
-}
-
 LabelImage read_nrrd(const std::string& file) {
   std::map<int, std::string> ignored;
   return read_named(file, ignored);
@@ -229,8 +231,6 @@ std::map<int, std::string> segment_names(const std::filesystem::path& file) {
 #else
 
 namespace lobe::meshing {
-
-double assumed_unit(const std::filesystem::path&) { return 1; }
 
 std::map<int, std::string> segment_names(const std::filesystem::path&) { return {}; }
 

@@ -21,9 +21,10 @@
 #include "lobe_mesh/child_process.h"
 #include "lobe_mesh/diagnose.h"
 #include "lobe_mesh/errors.h"
-#include "lobe_mesh/image_unit.h"
 #include "lobe_mesh/picture.h"
 #include "lobe_mesh/report_json.h"
+#include "lobe_mesh/segment_names.h"
+#include "lobe_mesh/shared_walls.h"
 #include "lobe_mesh/surface_groups.h"
 #include "lobe_mesh/voxels.h"
 #include "mesh_options.h"
@@ -70,20 +71,34 @@ RepairReport repair(const std::string& file, const Options& o, Surface& surface)
   return result;
 }
 
-// What --find-units makes of the size of the input: reads it once more.
+// The scale of a body of that size in the units of its file.
+double scale_by_size(double diagonal, const std::string& why) {
+  if (!(diagonal > largest_organ)) return 1;
+  warn(why + "the body is " + rounded(diagonal) +
+       " m large: it is taken to be in millimetres (--scale 1 if not)");
+  return 0.001;
+}
+
+// What --find-units makes of the size of surfaces: reads them once more.
 double found_scale(const Options& o) {
   double diagonal = 0;
-  if (o.is_image()) {
-    const LabelImage image = read_label_image(o.surfaces.front());
-    const Vec3d voxels(image.size[0], image.size[1], image.size[2]);
-    diagonal = (image.to_world.leftCols<3>() * voxels).norm();
-  } else {
-    for (const std::string& file : o.surfaces)
-      diagonal = std::max(diagonal, box_diagonal(read_surface(file)));
+  for (const std::string& file : o.surfaces) diagonal = std::max(diagonal, box_diagonal(read_surface(file)));
+  return scale_by_size(diagonal, "");
+}
+
+// Of what read_label_image() returns. Where the file names no unit and none was asked for, the size of the
+// body says whether it is in millimetres.
+double scale_of(const Options& o, const LabelImage& image) {
+  const double unit = image.assumed_unit;
+  if (o.has_scale) return unit > 0 ? o.scale / unit : o.scale;
+  if (unit == 0) return o.find_units ? scale_by_size(body_diagonal(image), "") : 1;
+  if (unit < 1) {
+    warn("no unit is named: a segmentation of 3D Slicer is taken to be in millimetres (--scale 1 if not)");
+    return 1;
   }
-  if (!(diagonal > largest_organ)) return 1;
-  warn("the body is " + rounded(diagonal) + " m large: it is taken to be in millimetres (--scale 1 if not)");
-  return 0.001;
+  const double scale = scale_by_size(body_diagonal(image), "no unit is named, and ");
+  if (scale == 1) say(o, "no unit is named: it is taken to be in metres (--scale 0.001 for millimetres)\n");
+  return scale;
 }
 
 Surface scaled_surface(const std::string& file, const Options& o) {
@@ -135,10 +150,7 @@ TetMesh mesh_surfaces(const Options& o, std::vector<InputFile>& inputs, MeshRepo
 TetMesh mesh_image(const Options& o, std::vector<InputFile>& inputs, MeshReport& report) {
   const std::string& file = o.surfaces.front();
   LabelImage image = read_label_image(file);
-  const double unit = assumed_unit(file);
-  image.to_world *= o.has_scale ? o.scale / unit : o.scale;
-  if (unit != 1 && !o.has_scale)
-    warn("no unit is named: a segmentation of 3D Slicer is taken to be in millimetres (--scale 1 if not)");
+  image.to_world *= scale_of(o, image);
   std::ostringstream text;
   text << file << ": " << image.size[0] << " × " << image.size[1] << " × " << image.size[2] << " voxels of "
        << image.to_world.leftCols<3>().colwise().norm() << " m\n";
@@ -206,7 +218,7 @@ int draw(const Options& o, const TetMesh& mesh, const MeshReport& report) {
 
 int run(const Options& given) {
   Options o = given;
-  if (o.find_units) o.scale = found_scale(o);
+  if (o.find_units && !o.is_image()) o.scale = found_scale(o);
   if (o.diagnose) return print_diagnosis(o, scaled_surface(o.surfaces.front(), o));
   if (o.output.empty()) return repair_only(o);
   std::vector<InputFile> inputs;

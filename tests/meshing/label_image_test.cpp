@@ -11,10 +11,10 @@
 
 #include "lobe/error.h"
 #include "lobe_mesh/diagnose.h"
-#include "lobe_mesh/image_unit.h"
 #include "lobe_mesh/interfaces.h"
 #include "lobe_mesh/label_grid.h"
 #include "lobe_mesh/label_layers.h"
+#include "lobe_mesh/segment_names.h"
 #include "lobe_mesh/tetrahedralise.h"
 #include "meshing/shapes.h"
 #include "near.h"
@@ -423,7 +423,7 @@ TEST_CASE("an NRRD image without a unit is in metres, and one of 3D Slicer in mi
     return read_label_image(folder.write("a.seg.nrrd", text + "\n" + six_bytes));
   };
   const auto unit_of = [&](const std::string& text) {
-    return assumed_unit(folder.write("a.seg.nrrd", text + "\n" + six_bytes));
+    return read_label_image(folder.write("a.seg.nrrd", text + "\n" + six_bytes)).assumed_unit;
   };
   const Mat34<double> axes = aligned({2, 3, 4}, {10, 20, 30});
   CHECK(read(header).to_world == axes);
@@ -437,7 +437,36 @@ TEST_CASE("an NRRD image without a unit is in metres, and one of 3D Slicer in mi
         std::map<int, std::string>{{1, "left lung"}});
   CHECK(names_of(header + slicer).empty());
   CHECK(read(header + centimetres + slicer).to_world.isApprox(1e-2 * axes));
-  CHECK(unit_of(header + centimetres + slicer) == 1);
+  CHECK(unit_of(header + centimetres + slicer) == 0);
+  const std::string spaced =
+      "NRRD0005\ndimension: 3\nsizes: 3 2 1\ntype: uchar\nencoding: raw\nspacings: 2 3 4\n";
+  CHECK(unit_of(spaced) == 1);
+  CHECK(unit_of(spaced + "units: \"mm\" \"mm\" \"mm\"\n") == 0);
+}
+
+TEST_CASE("a NIfTI image says whether it names its unit") {
+  const SurfaceFolder folder;
+  std::string bytes = nifti();
+  const auto read = [&](char unit) {
+    bytes[123] = unit;
+    return read_label_image(folder.write("a.nii", bytes));
+  };
+  CHECK(read(2).assumed_unit == 0);
+  CHECK(read(1).assumed_unit == 0);
+  CHECK(read(3).assumed_unit == 0);
+  const LabelImage unnamed = read(0);
+  CHECK(unnamed.assumed_unit == 1);
+  CHECK(unnamed.to_world == read(1).to_world);  // metres
+  CHECK(read(8).assumed_unit == 1);             // seconds of another axis
+}
+
+TEST_CASE("the size of a body is that of its voxels, without those of the background") {
+  const LabelImage image = make_image({9, 9, 9}, aligned({1, 2, 3}, {5, 5, 5}), [](const Vec3d& x) {
+    return x.x() >= 7 && x.x() <= 9 && x.y() == 9 && x.z() >= 11 && x.z() <= 14 ? 4 : 0;  // 3 × 1 × 2 voxels
+  });
+  CHECK(body_diagonal(image) == near(std::sqrt(9 + 4 + 36), 1e-12));
+  CHECK(body_diagonal(make_image({3, 3, 3}, aligned({1, 1, 1}, {0, 0, 0}), [](const Vec3d&) { return 0; })) ==
+        0);
 }
 
 TEST_CASE("segments in layers get labels in their order, and the last one where they overlap") {

@@ -292,6 +292,40 @@ TEST_CASE("a label image becomes a mesh with its labels") {
   refused(folder.write("s.off", make_cube(0.1)).string() + " --smoothing 2", "belongs to a label image");
 }
 
+TEST_CASE("where an image names no unit, its size says whether it is in millimetres, unless --scale does") {
+  const SurfaceFolder folder;
+  std::string voxels;  // 8 × 6 × 6 in an empty margin
+  for (int n = 0; n < 10 * 8 * 8; ++n) {
+    const int i = n % 10, j = n / 10 % 8, k = n / 80;
+    voxels += i % 9 > 0 && j % 7 > 0 && k % 7 > 0 ? '\1' : '\0';
+  }
+  const auto meshed = [&](const std::string& spacings, const std::string& options) {
+    const std::string file = folder
+                                 .write("a.nrrd",
+                                        "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 10 8 8\n"
+                                        "encoding: raw\nspacings: " +
+                                            spacings + "\n\n" + voxels)
+                                 .string();
+    return lobe_mesh(file + " --json" + options + " -o " + (folder.path / "m.vtu").string());
+  };
+  const auto volume_of = [](const Run& run) {
+    return nlohmann::json::parse(run.out)["parts"][0]["surface_volume"].get<double>();
+  };
+  const Run large = meshed("5 5 5", " --edge 0.008");  // 58 across
+  REQUIRE_MESSAGE(large.status == 0, large.err);
+  CHECK(volume_of(large) == near(8 * 6 * 6 * 125e-9, 1e-9));
+  CHECK(contains(large.err,
+                 "no unit is named, and the body is 58.31 m large: it is taken to be in millimetres"));
+  const Run asked = meshed("5 5 5", " --edge 0.08 --scale 0.01");
+  REQUIRE_MESSAGE(asked.status == 0, asked.err);
+  CHECK(volume_of(asked) == near(8 * 6 * 6 * 125e-6, 1e-9));
+  CHECK_FALSE(contains(asked.err, "no unit"));
+  const Run small = meshed("0.005 0.005 0.005", " --edge 0.008 --find-units");
+  REQUIRE_MESSAGE(small.status == 0, small.err);
+  CHECK(volume_of(small) == near(8 * 6 * 6 * 125e-9, 1e-9));
+  CHECK(contains(small.err, "no unit is named: it is taken to be in metres (--scale 0.001 for millimetres)"));
+}
+
 TEST_CASE("--picture draws a picture, or says why not and keeps the mesh") {
   const SurfaceFolder folder;
   const std::string surface = folder.write("s.off", make_sphere(0.05, 3)).string(),

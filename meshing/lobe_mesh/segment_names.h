@@ -7,10 +7,6 @@
 
 namespace lobe::meshing {
 
-// What read_label_image() took for the unit of a label image that names none [m]: a millimetre for a
-// segmentation of 3D Slicer, which writes no other; else 1. Throws InputError for a garbled NRRD file.
-double assumed_unit(const std::filesystem::path& file);
-
 // Names of the segments of 3D Slicer by the labels that read_label_image() gives them; none for other files.
 // Reads the voxels, as the labels of segments in layers depend on them. Throws InputError as that does.
 std::map<int, std::string> segment_names(const std::filesystem::path& file);

@@ -80,6 +80,7 @@ ScaledMesh meshed_body(const MakeSceneOptions& options) {
     arguments.insert(arguments.end(), {"--scale", exact(options.scale)});
   else
     arguments.push_back("--find-units");
+  if (options.files.size() > 1) arguments.push_back("--find-voxels");
   if (options.edge > 0) arguments.insert(arguments.end(), {"--edge", exact(options.edge)});
   const int status = run_program(arguments);
   if (status == 127)

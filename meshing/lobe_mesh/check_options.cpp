@@ -55,7 +55,8 @@ void check_labels(const MeshOptions& options, const Model& model, std::vector<Fa
   if (model.shares_walls())
     faults.push_back({"--mesher tetgen", "does not keep walls that surfaces share: use --mesher cgal"});
   if (model.is_image())
-    faults.push_back({"--mesher tetgen", "fills closed surfaces only: use --mesher cgal for a label image"});
+    faults.push_back({"--mesher tetgen",
+                      "fills closed surfaces only: use --mesher cgal for a label image and with --voxels"});
 }
 
 std::string remedy_for_size(double diagonal) {

@@ -8,6 +8,7 @@
 #include <numeric>
 
 #include "lobe/error.h"
+#include "lobe/text.h"
 #include "lobe_mesh/disjoint_sets.h"
 #include "lobe_mesh/lines.h"
 #include "lobe_mesh/steps.h"
@@ -54,7 +55,10 @@ Corners rotated(const Corners& c) {
 class Walls {
  public:
   Walls(const std::vector<Surface>& surfaces, std::size_t cavities)
-      : surfaces_(surfaces), all_(joined_surface(surfaces)), regions_(surfaces.size() - cavities) {
+      : surfaces_(surfaces),
+        all_(joined_surface(surfaces)),
+        regions_(surfaces.size() - cavities),
+        takes_(cavities) {
     const std::vector<Index> first = first_of_near_points(all_.points, same_point * box_diagonal(all_));
     for (Index& v : all_.triangles.reshaped()) v = first[std::size_t(v)];
     collect();
@@ -100,6 +104,14 @@ class Walls {
     }
   }
 
+  // About where two walls meet: in the middle of what the boxes around them share.
+  Vec3d place_of(const Wall& a, const Wall& b) const {
+    const Mat3<double> x = points_of(a), y = points_of(b);
+    const Vec3d low = x.rowwise().minCoeff().cwiseMax(y.rowwise().minCoeff()),
+                high = x.rowwise().maxCoeff().cwiseMin(y.rowwise().maxCoeff());
+    return (low + high) / 2;
+  }
+
   void refuse_intersections() const {
     Surface once{all_.points, Triangles(3, walls_.size())};
     for (std::size_t w = 0; w < walls_.size(); ++w)
@@ -108,11 +120,11 @@ class Walls {
     const auto pairs = self_intersections({unit.to_unit(once.points), once.triangles});
     if (pairs.empty()) return;
     const Wall &a = walls_[std::size_t(pairs[0].first)], &b = walls_[std::size_t(pairs[0].second)];
-    const Vec3d p = all_.points.col(a.corners[0]);
-    throw InputError(
-        "surfaces " + std::to_string(a.of[0].first) + " and " + std::to_string(b.of[0].first),
-        "touch or intersect near (" + std::to_string(p.x()) + ", " + std::to_string(p.y()) + ", " +
-            std::to_string(p.z()) +
+    const Vec3d p = place_of(a, b);
+    const auto [first, second] = std::minmax(a.of[0].first, b.of[0].first);
+    throw SurfacesTouch(
+        "surfaces " + std::to_string(first) + " and " + std::to_string(second),
+        "touch or intersect near (" + rounded(p.x()) + ", " + rounded(p.y()) + ", " + rounded(p.z()) +
             ") m: one must lie inside the other or apart from it, or they must have the same triangles where "
             "they touch; --voxels EDGE meshes surfaces that share other walls or overlap");
   }
@@ -140,6 +152,10 @@ class Walls {
     std::map<Index, Sides> of_piece;
     for (const auto& [piece, w] : largest) of_piece[piece] = sides_of(walls_[w]);
     for (std::size_t w = 0; w < walls_.size(); ++w) sides_.push_back(of_piece.at(pieces.root(Index(w))));
+    for (std::size_t c = 0; c < takes_.size(); ++c)
+      if (!takes_[c])
+        throw InputError("cavity " + std::to_string(c) + " (--void)",
+                         "takes no space from what is meshed: it lies outside of it, or around it");
   }
 
   Mat3<double> points_of(const Wall& wall) const {
@@ -152,10 +168,12 @@ class Walls {
     return (x.col(1) - x.col(0)).cross(x.col(2) - x.col(0)).norm() / 2;
   }
 
-  // The regions behind a wall, as seen from outside of its first surface, and before it.
-  Sides sides_of(const Wall& wall) const {
+  // The regions behind a wall, as seen from outside of its first surface, and before it. Notes which cavities
+  // take space from a region.
+  Sides sides_of(const Wall& wall) {
     const Vec3d centre = points_of(wall).rowwise().mean();
     std::array<int, 2> found{-1, -1};
+    std::array<bool, 2> is_in_region{};
     for (std::size_t s = 0; s < surfaces_.size(); ++s) {
       const auto owner =
           std::find_if(wall.of.begin(), wall.of.end(), [&](const auto& entry) { return entry.first == s; });
@@ -166,12 +184,16 @@ class Walls {
         encloses[0] = encloses[1] = winding_number(surfaces_[s], centre) > 0.5;
       for (std::size_t side = 0; side < 2; ++side) {
         int& best = found[side];
+        is_in_region[side] |= encloses[side] && s < regions_;
         if (encloses[side] && (best < 0 || volumes_[s] < volumes_[std::size_t(best)]))
           best = static_cast<int>(s);
       }
     }
-    for (int& region : found)
-      if (region >= static_cast<int>(regions_)) region = -1;  // a cavity
+    for (std::size_t side = 0; side < 2; ++side) {
+      if (found[side] < static_cast<int>(regions_)) continue;
+      if (is_in_region[side]) takes_[std::size_t(found[side]) - regions_] = true;  // a cavity
+      found[side] = -1;
+    }
     return {found[0], found[1]};
   }
 
@@ -217,6 +239,7 @@ class Walls {
   const std::vector<Surface>& surfaces_;
   Surface all_;  // with points that are the same in several surfaces
   std::size_t regions_;
+  std::vector<bool> takes_;  // whether each cavity takes space from a region
   std::vector<Wall> walls_;
   std::vector<Sides> sides_;     // of each wall
   std::vector<double> volumes_;  // that each surface encloses

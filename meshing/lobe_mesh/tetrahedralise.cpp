@@ -98,7 +98,7 @@ TetMesh mesh_model(const Model& model, const MeshOptions& options, MeshReport& r
   report = {};
   MeshOptions chosen = options;
   if (options.edge == 0) {
-    chosen.edge = box_diagonal(joined_surface(model.surfaces)) / 25;
+    chosen.edge = default_edge(model.surfaces);
     chosen.keep_thin = true;
   }
   std::vector<std::string> notes;
@@ -113,6 +113,10 @@ TetMesh mesh_model(const Model& model, const MeshOptions& options, MeshReport& r
   if (report.keeping_edge > 0) report.warnings.push_back(words_of_gap(report, chosen));
   if (!report.passes()) report.warnings.push_back(words_of_gate(report, model, chosen));
   return mesh;
+}
+
+double default_edge(const std::vector<Surface>& surfaces) {
+  return box_diagonal(joined_surface(surfaces)) / 25;
 }
 
 TetMesh tetrahedralise(const std::vector<Surface>& surfaces, const MeshOptions& options, MeshReport& report) {

@@ -129,6 +129,9 @@ struct MeshReport {
   bool passes() const;           // whether the mesh passes the gate with every label
 };
 
+// The edge of tetrahedra where none is asked for [m]: 1/25 of the diagonal.
+double default_edge(const std::vector<Surface>& surfaces);
+
 // Surfaces must be what repair_surface() returns, each inside another one or apart from it, or with the same
 // triangles as others where it touches them; every piece of them is meshed. The label of a tetrahedron is the
 // number of the innermost surface around it; the triangles between two labels belong to one tetrahedron of

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <utility>
 
 #include "lobe/error.h"
@@ -26,14 +27,19 @@ class Voxeliser {
     const Vec3d extent = all.points.rowwise().maxCoeff() - low_;
     const Vec3d count = (extent.array() / edge).ceil() + 1;
     if (!(count.prod() <= most_voxels))
-      throw InputError("--voxels", rounded(edge) + " m would give more than half a billion voxels");
+      throw InputError("--voxels", rounded(edge) +
+                                       " m would give more than half a billion voxels: choose at least " +
+                                       rounded(1.05 * edge * std::cbrt(count.prod() / most_voxels)) +
+                                       " m (or --scale, if the units are wrong)");
+    image_.is_of_surfaces = true;
     for (int i = 0; i < 3; ++i) image_.size[std::size_t(i)] = static_cast<Index>(count[i]);
     image_.values.assign(static_cast<std::size_t>(count.prod()), 0);
     image_.to_world.leftCols<3>() = edge * Mat3<double>::Identity();
     image_.to_world.col(3) = low_.array() + edge / 2;
   }
 
-  void add(const Surface& surface, std::int32_t value) {
+  // Gives a value to the voxels that a surface encloses. Returns how many had another that was not 0.
+  std::size_t add(const Surface& surface, std::int32_t value) {
     crossings_.assign(std::size_t(image_.size[1]) * std::size_t(image_.size[2]), {});
     for (const auto& t : surface.triangles.colwise()) {
       Mat3<double> corners;  // in voxels, from the first centre
@@ -41,7 +47,9 @@ class Voxeliser {
         corners.col(k) = (surface.points.col(t[k]) - image_.to_world.col(3)) / edge_;
       cross(corners);
     }
-    for (std::size_t line = 0; line < crossings_.size(); ++line) fill(line, value);
+    std::size_t taken = 0;
+    for (std::size_t line = 0; line < crossings_.size(); ++line) taken += fill(line, value);
+    return taken;
   }
 
   LabelImage take() { return std::move(image_); }
@@ -75,17 +83,22 @@ class Voxeliser {
       }
   }
 
-  void fill(std::size_t line, std::int32_t value) {
+  std::size_t fill(std::size_t line, std::int32_t value) {
     std::vector<Crossing>& along = crossings_[line];
     std::sort(along.begin(), along.end(), [](const Crossing& a, const Crossing& b) { return a.x < b.x; });
     int winding = 0;
+    std::size_t taken = 0;
     for (std::size_t n = 0; n + 1 < along.size(); ++n) {
       winding += along[n].entering;
       if (winding < 1) continue;
       const auto first = std::max<Index>(0, static_cast<Index>(std::ceil(along[n].x)));
-      for (Index i = first; i < image_.size[0] && i < along[n + 1].x; ++i)
-        image_.values[line * std::size_t(image_.size[0]) + std::size_t(i)] = value;
+      for (Index i = first; i < image_.size[0] && i < along[n + 1].x; ++i) {
+        std::int32_t& voxel = image_.values[line * std::size_t(image_.size[0]) + std::size_t(i)];
+        if (voxel != 0 && voxel != value) ++taken;
+        voxel = value;
+      }
     }
+    return taken;
   }
 
   double edge_;
@@ -96,24 +109,40 @@ class Voxeliser {
 
 }  // namespace
 
-LabelImage voxelise(const std::vector<Surface>& surfaces, double edge, std::size_t cavities) {
+LabelImage voxelise(const std::vector<Surface>& surfaces, double edge, std::size_t cavities, Winner winner) {
   if (!(std::isfinite(edge) && edge > 0)) throw InputError("--voxels", "must be a positive number");
+  const std::size_t regions = surfaces.size() - cavities;
+  std::vector<std::size_t> order(surfaces.size());
+  std::iota(order.begin(), order.end(), 0);
+  if (winner == Winner::smaller) {
+    std::vector<double> volumes;
+    for (const Surface& surface : surfaces) volumes.push_back(enclosed_volume(surface));
+    std::stable_sort(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(regions),
+                     [&](std::size_t a, std::size_t b) { return volumes[a] > volumes[b]; });
+  }
   Voxeliser voxeliser(surfaces, edge);
-  for (std::size_t k = 0; k < surfaces.size(); ++k)
-    voxeliser.add(surfaces[k], k + cavities < surfaces.size() ? static_cast<std::int32_t>(k) + 1 : 0);
-  return voxeliser.take();
+  for (const std::size_t k : order) {
+    const std::size_t taken = voxeliser.add(surfaces[k], k < regions ? static_cast<std::int32_t>(k) + 1 : 0);
+    if (k >= regions && taken == 0)
+      throw InputError("cavity " + std::to_string(k - regions) + " (--void)",
+                       "takes no voxel of " + rounded(edge) +
+                           " m from what is meshed: it lies outside of it, or is too small");
+  }
+  LabelImage image = voxeliser.take();
+  for (std::size_t k = 0; k < regions; ++k)
+    if (std::find(image.values.begin(), image.values.end(), static_cast<std::int32_t>(k) + 1) ==
+        image.values.end())
+      throw InputError("surface " + std::to_string(k),
+                       "has no voxel of " + rounded(edge) +
+                           " m of its own: other surfaces or cavities cover it, or it is too small; choose a "
+                           "shorter --voxels, or another order");
+  return image;
 }
 
 TetMesh tetrahedralise_voxels(const std::vector<Surface>& surfaces, double voxel, const MeshOptions& options,
-                              MeshReport& report) {
-  Model model = make_model(voxelise(surfaces, voxel, options.cavities), options.smoothing);
+                              MeshReport& report, Winner winner) {
+  Model model = make_model(voxelise(surfaces, voxel, options.cavities, winner), options.smoothing);
   for (int& label : model.labels) --label;
-  for (std::size_t k = 0; k + options.cavities < surfaces.size(); ++k)
-    if (model.region_of(static_cast<int>(k)) < 0)
-      throw InputError("surface " + std::to_string(k),
-                       "has no voxel of " + rounded(voxel) +
-                           " m of its own: later surfaces cover it, or it "
-                           "is too small; choose a shorter --voxels, or another order");
   return mesh_model(model, options, report);
 }
 

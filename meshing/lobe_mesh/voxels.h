@@ -12,16 +12,20 @@
 
 namespace lobe::meshing {
 
-// A voxel has the number of the last surface that encloses its centre, from 1; 0 outside of all, and where
-// that surface is one of the last `cavities`. Throws InputError for an edge that is not positive, or so short
-// that there would be more than half a billion voxels. O(#voxels + Σ over the triangles of the voxels across
-// that they cover).
-LabelImage voxelise(const std::vector<Surface>& surfaces, double edge,  // [m] of a voxel
-                    std::size_t cavities = 0);
+// Of surfaces that enclose the same space.
+enum class Winner { later, smaller };  // by their order, or by the volumes that they enclose
 
-// As tetrahedralise() of the surfaces, but they may share walls and overlap: later surfaces win. Sharp edges
+// A voxel has the number of the surface that encloses its centre, from 1, of several that of the winner; 0
+// outside of all, and in the last `cavities` surfaces, which win in any case. Throws InputError for an edge
+// that is not positive, or so short that there would be more than half a billion voxels, for a surface that
+// has no voxel, and for a cavity that takes none. O(#voxels + Σ over the triangles of the voxels across that
+// they cover).
+LabelImage voxelise(const std::vector<Surface>& surfaces, double edge,  // [m] of a voxel
+                    std::size_t cavities = 0, Winner winner = Winner::later);
+
+// As tetrahedralise() of the surfaces, but they may share walls and overlap. Sharp edges
 // are rounded by about a voxel, and parts thinner than two voxels may be lost. With Mesher::cgal only.
 TetMesh tetrahedralise_voxels(const std::vector<Surface>& surfaces, double voxel, const MeshOptions& options,
-                              MeshReport& report);
+                              MeshReport& report, Winner winner = Winner::later);
 
 }  // namespace lobe::meshing

@@ -143,8 +143,17 @@ int repair_only(const Options& o) {
 
 TetMesh mesh_surfaces(const Options& o, std::vector<InputFile>& inputs, MeshReport& report) {
   const std::vector<Surface> surfaces = repaired_surfaces(o, inputs);
-  return o.voxels > 0 ? tetrahedralise_voxels(surfaces, o.voxels, o.mesh, report)
-                      : tetrahedralise(surfaces, o.mesh, report);
+  if (o.voxels > 0) return tetrahedralise_voxels(surfaces, o.voxels, o.mesh, report);
+  try {
+    return tetrahedralise(surfaces, o.mesh, report);
+  } catch (const SurfacesTouch& error) {
+    if (!o.find_voxels) throw;
+    const Fault& fault = error.faults().front();
+    const double edge = o.mesh.edge > 0 ? o.mesh.edge : default_edge(surfaces), voxel = edge / 3;
+    warn(fault.place + " " + fault.message.substr(0, fault.message.find(':')) +
+         ": all are turned into voxels of " + rounded(voxel) + " m, of which the smaller surface wins");
+    return tetrahedralise_voxels(surfaces, voxel, o.mesh, report, Winner::smaller);
+  }
 }
 
 TetMesh mesh_image(const Options& o, std::vector<InputFile>& inputs, MeshReport& report) {

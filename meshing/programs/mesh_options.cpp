@@ -181,9 +181,15 @@ void declare_body(CLI::App& app, Options& o) {
           ->capture_default_str();
   app.add_flag("--find-units", o.find_units, "take a body of more than 2 m to be in millimetres")
       ->excludes(scale);
-  app.add_option("--voxels", o.voxels,
-                 "edge of voxels that the surfaces are turned into first [m]: they may share walls and "
-                 "overlap, the later one wins");
+  CLI::Option* voxels =
+      app.add_option("--voxels", o.voxels,
+                     "edge of voxels that the surfaces are turned into first [m]: they may share walls and "
+                     "overlap, the later one wins");
+  app.add_flag(
+         "--find-voxels", o.find_voxels,
+         "where surfaces overlap or share other walls, turn them into voxels of a third of the edge, of "
+         "which the smaller surface wins")
+      ->excludes(voxels);
   app.add_option("--smoothing", o.mesh.smoothing,
                  "of the steps between a label image's voxels [voxels], 0: none")
       ->capture_default_str();

@@ -18,9 +18,10 @@ struct Options {
   std::string output, repaired, report, marked, picture;
   std::vector<std::string> label_edges, balls, sizes;
   double scale = 1;
-  bool has_scale = false;   // whether it was asked for
-  bool find_units = false;  // whether the scale is 0.001 for a body that is larger than an organ in metres
-  double voxels = 0;        // [m] edge of those that surfaces are turned into, 0: none
+  bool has_scale = false;    // whether it was asked for
+  bool find_units = false;   // whether the scale is 0.001 for a body that is larger than an organ in metres
+  double voxels = 0;         // [m] edge of those that surfaces are turned into, 0: none
+  bool find_voxels = false;  // whether surfaces that cannot be meshed as they are become voxels
   bool diagnose = false, json = false, quiet = false;
   RepairOptions repair;
   MeshOptions mesh;

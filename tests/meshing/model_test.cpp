@@ -9,6 +9,7 @@
 #include "lobe_mesh/clean.h"
 #include "lobe_mesh/diagnose.h"
 #include "lobe_mesh/interfaces.h"
+#include "lobe_mesh/shared_walls.h"
 #include "lobe_mesh/tetrahedralise.h"
 #include "lobe_mesh/volumes.h"
 #include "meshing/shapes.h"
@@ -81,6 +82,12 @@ TEST_CASE("surfaces that touch or intersect are refused with their numbers and t
   const std::string message = input_error([&] { make_model({organ, tumour, moved(organ, {0.04, 0, 0})}); });
   CHECK(contains(message, "surfaces 0 and 2"));
   CHECK(contains(message, "--voxels EDGE"));
+  // Two cubes whose common wall has other triangles in each: the place is where they touch.
+  const std::vector<Surface> cubes = {grid_block({0, 0, 0}, {0.03, 0.03, 0.03}, 1, 1, 1),
+                                      grid_block({0.03, 0, 0}, {0.03, 0.03, 0.03}, 2, 2, 2)};
+  CHECK_THROWS_AS(make_model(cubes), SurfacesTouch);
+  const std::string touching = input_error([&] { make_model(cubes); });
+  CHECK_MESSAGE(contains(touching, "surfaces 0 and 1: touch or intersect near (0.03, "), touching);
 }
 
 TEST_CASE("closed surfaces that share walls become labels that conform, with exact walls") {

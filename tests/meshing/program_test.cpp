@@ -477,6 +477,23 @@ TEST_CASE("lobe scene repairs and meshes a surface in millimetres, and writes a 
   CHECK(contains(text_of(folder.path / "err"), "grid.vtu, which is the input; give another name"));
 }
 
+TEST_CASE("surfaces that overlap or touch in other triangles become voxels where that is left to lobe-mesh") {
+  const SurfaceFolder folder;
+  const Surface large = scaled(make_sphere(0.03, 3), 1000), small = scaled(make_sphere(0.012, 2), 1000);
+  const std::string tumour = folder.write("tumour.stl", moved(small, {28, 0, 0})).string(),  // half outside
+      organ = folder.write("organ.stl", large).string(), mesh = " -o " + (folder.path / "m.vtu").string();
+  const std::string both = tumour + " " + organ + mesh;
+  CHECK(lobe_mesh(both + " --find-units").status == 2);
+  const Run run = lobe_mesh(both + " --find-units --find-voxels --edge 0.006 --json");
+  REQUIRE_MESSAGE(run.status == 0, run.err);
+  CHECK(contains(run.err, "warning: surfaces 0 and 1 touch or intersect near (0.02"));
+  CHECK(contains(run.err, ") m: all are turned into voxels of 0.002 m, of which the smaller surface wins"));
+  const auto parts = nlohmann::json::parse(run.out)["parts"];
+  CHECK(parts[0]["volume"].get<double>() == near(1e-9 * enclosed_volume(small), 0.04));  // all of the tumour
+  CHECK(parts[1]["volume"].get<double>() > 0.9e-9 * enclosed_volume(large));
+  CHECK(contains(lobe_mesh(both + " --find-voxels --voxels 2").err, "--find-voxels"));
+}
+
 TEST_CASE("lobe-mesh --void leaves a cavity out, and reports edges as lobe info does") {
   const SurfaceFolder folder;
   const std::string outer = folder.write("outer.stl", make_sphere(0.04, 3)).string(),

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "lobe/mesh/quality.h"
+#include "lobe_mesh/model.h"
 #include "lobe_mesh/volumes.h"
 #include "meshing/shapes.h"
 #include "near.h"
@@ -60,5 +61,44 @@ TEST_CASE("voxels that make no sense are refused") {
   CHECK(contains(input_error([&] { tetrahedralise_voxels(twice, 0.002, {.edge = 0.005}, report); }),
                  "surface 0: has no voxel of 0.002 m of its own"));
   CHECK(contains(input_error([&] { voxelise(twice, 0); }), "must be a positive number"));
-  CHECK(contains(input_error([&] { voxelise(twice, 1e-6); }), "more than half a billion voxels"));
+  CHECK(contains(input_error([&] { voxelise(twice, 1e-6); }),
+                 "more than half a billion voxels: choose at least 2.6"));  // 1.05 · 0.02 m / ∛5e8 = 26.5 µm
+  CHECK(
+      contains(input_error([&] { tetrahedralise_voxels({make_cube(0.02)}, 0.02, {.edge = 0.005}, report); }),
+               "surface 0: too thin: nothing of it is left by the smoothing; choose a shorter --voxels"));
+}
+
+TEST_CASE("of surfaces that overlap the later one wins, or the smaller one whatever the order") {
+  const Surface large = make_cube(0.02), small = block({0.01, 0.01, 0.01}, {0.024, 0.02, 0.02});
+  const LabelImage later = voxelise({small, large}, 0.001);
+  CHECK(count_of(later, 1) == 4 * 10 * 10);
+  CHECK(count_of(later, 2) == 20 * 20 * 20);
+  const LabelImage smaller = voxelise({small, large}, 0.001, 0, Winner::smaller);
+  CHECK(count_of(smaller, 1) == 14 * 10 * 10);
+  CHECK(count_of(smaller, 2) == 20 * 20 * 20 - 1000);
+  // A cavity wins in any case.
+  const LabelImage hollow = voxelise({small, large}, 0.001, 1, Winner::smaller);
+  CHECK(count_of(hollow, 1) == 4 * 10 * 10);
+  CHECK(count_of(hollow, 2) == 0);
+}
+
+TEST_CASE("a cavity that takes nothing from what is meshed is refused") {
+  const Surface body = make_cube(0.02), outside = moved(body, {0.05, 0, 0}),
+                around = block({-0.01, -0.01, -0.01}, {0.03, 0.03, 0.03});
+  for (const Surface& cavity : {outside, around, body}) {
+    CHECK(contains(input_error([&] {
+                     make_model({body, cavity}, 1);
+                   }),
+                   "cavity 0 (--void): takes no space from what is meshed"));
+  }
+  CHECK(contains(input_error([&] {
+                   voxelise({body, outside}, 0.002, 1);
+                 }),
+                 "cavity 0 (--void): takes no voxel of 0.002 m"));
+  CHECK(contains(input_error([&] {
+                   voxelise({body, around}, 0.002, 1);
+                 }),
+                 "surface 0: has no voxel of 0.002 m of its own"));
+  const Surface inside = block({0.005, 0.005, 0.005}, {0.01, 0.01, 0.01});
+  CHECK(make_model({body, inside}, 1).total_volume() == near(8e-6 - 125e-9, 1e-9));
 }

@@ -82,6 +82,18 @@ TEST_CASE(
   Triangles expected(3, 2);
   expected << 0, 1, /**/ 1, 3, /**/ 2, 2;
   CHECK(strip.triangles == expected);
+  // Strips alone, and a file that promises more of them than it has.
+  const std::string alone =
+      "<VTKFile type=\"PolyData\"><PolyData><Piece NumberOfPoints=\"4\" NumberOfStrips=\"1\"><Points>"
+      "<DataArray type=\"Float64\" NumberOfComponents=\"3\" format=\"ascii\">0 0 0 1 0 0 0 1 0 1 1 0"
+      "</DataArray></Points><Strips><DataArray type=\"Int64\" Name=\"connectivity\" format=\"ascii\">0 1 2 3"
+      "</DataArray><DataArray type=\"Int64\" Name=\"offsets\" format=\"ascii\">4</DataArray></Strips>"
+      "</Piece></PolyData></VTKFile>";
+  CHECK(read_surface(folder.write("f.vtp", alone)).triangles == expected);
+  std::string promising = alone;
+  promising.replace(promising.find("NumberOfStrips=\"1\""), 18, "NumberOfStrips=\"2\"");
+  const auto more = folder.write("g.vtp", promising);
+  CHECK(contains(input_error([&] { read_surface(more); }), "NumberOfStrips is '2', but 1 are in the file"));
   const std::string tetrahedron =
       folder
           .write("e.vtk", head + "UNSTRUCTURED_GRID\n" + points + "CELLS 1 5\n4 0 1 2 4\nCELL_TYPES 1\n10\n")

@@ -32,34 +32,33 @@ void io::write_vtk_triangles(const std::filesystem::path& file, const Mat3X<doub
                 blocks);
 }
 
+namespace {
+
+// The cells of one kind, none where the file has no such element.
+void add_cells(const VtkXml& xml, const std::string& name, const char* element, double type,
+               Polygons& polygons) {
+  const pugi::xml_node node = xml.piece.child(element);
+  VtkCells cells;
+  if (node) {
+    cells.connectivity = read_vtk_array(xml, node, "connectivity");
+    cells.ends = read_vtk_array(xml, node, "offsets");
+  }
+  const std::string count = "NumberOf" + std::string(element);
+  if (xml.piece.attribute(count.c_str())) check_vtk_count(xml, count.c_str(), cells.ends.size());
+  cells.types.assign(cells.ends.size(), type);
+  add_polygons(cells, name + ": " + element, polygons);
+}
+
+}  // namespace
+
 Polygons read_vtp(const std::filesystem::path& file) {
   const std::string name = file.string(), bytes = read_file(file);
   VtkXml xml;
   parse_vtk_xml(name, bytes, "PolyData", xml);
-  const std::vector<double> x = read_vtk_points(xml);
   Polygons polygons;
-  for (std::size_t i = 0; i < x.size(); i += 3) polygons.points.emplace_back(x[i], x[i + 1], x[i + 2]);
-  const pugi::xml_node polys = vtk_child(xml, xml.piece, "Polys");
-  const std::vector<double> corners = read_vtk_array(xml, polys, "connectivity"),
-                            ends = read_vtk_array(xml, polys, "offsets");
-  check_vtk_count(xml, "NumberOfPolys", ends.size());
-  std::int64_t begin = 0;
-  for (std::size_t cell = 0; cell < ends.size(); ++cell) {
-    const std::string place = name + ": polygon " + std::to_string(cell);
-    const auto end = whole_number(ends[cell], begin, static_cast<std::int64_t>(corners.size()));
-    if (!end) throw InputError(place, "its offset is not between the one before and the end");
-    auto& polygon = polygons.corners.emplace_back();
-    for (; begin < *end; ++begin) {
-      const auto vertex = whole_number(corners[static_cast<std::size_t>(begin)], 0, max_index);
-      if (!vertex) throw InputError(place, "names a vertex that is not a whole number from 0");
-      polygon.push_back(*vertex);
-    }
-  }
-  if (const pugi::xml_node strips = xml.piece.child("Strips")) {
-    VtkCells cells{read_vtk_array(xml, strips, "connectivity"), read_vtk_array(xml, strips, "offsets"), {}};
-    cells.types.assign(cells.ends.size(), 6);
-    add_polygons(cells, name, polygons);
-  }
+  add_points(read_vtk_points(xml), polygons);
+  add_cells(xml, name, "Polys", 7, polygons);
+  add_cells(xml, name, "Strips", 6, polygons);
   return polygons;
 }
 

@@ -1,11 +1,14 @@
 // Another organ: a file that is sent to the program, or one that comes with lobe; and what was chosen for the
 // one that is open.
-import {error, speed, tetrahedra} from './estimates.js';
+import {error, speed, speedOfOther, tetrahedra, tetrahedraOfBody} from './estimates.js';
+import {sizeOfBody} from './surface_size.js';
 
 const element = id => document.getElementById(id);
 const option = (value, textContent) => Object.assign(document.createElement('option'), {value, textContent});
 const steps = 24, // of the slider to each side of the edge that is there
-  perStep = 1.05;
+  perStep = 1.05,
+  edgesAlong = 25, // the diagonal of a body, where lobe chooses
+  largestOrgan = 2; // [m] across; what is larger is taken to be in millimetres
 const sides = {
   'x-': 'where x is least',
   'x+': 'where x is greatest',
@@ -40,6 +43,7 @@ export class Opener {
     this.choices = {shipped: [], tissues: [], extensions: [], largest_file: Infinity, chosen: null};
     this.now = {possible: 0, tets: 0}; // of the organ that is simulated, while it is moved
     this.may = false; // this page controls
+    this.waiting = null; // files that are opened when it is said, and the size of their body
     element('open-file').onclick = () => element('open-input').click();
     element('open-input').onchange = ({target}) => {
       this.send([...target.files]);
@@ -64,6 +68,15 @@ export class Opener {
       target.value = target.value.replace(/[^A-Za-z0-9_-]/g, '_');
     };
     element('scene-save').onclick = () => this.ask({do: 'save_scene', to: element('scene-save-name').value});
+    Object.assign(element('waiting-edge'), {min: -steps, max: steps, value: 0});
+    element('waiting-edge').oninput = () => this.showExpected();
+    for (const id of ['new-tissue', 'new-units']) element(id).onchange = () => this.showExpected();
+    element('open-now').onclick = () => {
+      const {files} = this.waiting;
+      this.upload(files, this.wishes());
+      this.wait(null);
+    };
+    element('open-not').onclick = () => this.wait(null);
     this.listenToDrops();
   }
 
@@ -98,12 +111,77 @@ export class Opener {
     this.showChoices();
   }
 
-  /** Files one after the other, then asks to open them. What is wrong is said before anything is sent. */
+  /** What is wrong is said before anything is sent. Of surfaces that are read here it is told first what
+   *  their mesh will be like. */
   async send(/** @type {File[]} */ files) {
     if (files.length === 0) return;
     if (!this.may) return this.tell('Another page holds the instruments: ask for them first.');
     const wrong = files.map(file => this.fault(file)).filter(Boolean);
     if (wrong.length > 0) return this.tell(wrong.join(' '));
+    const size = await sizeOfBody(files),
+      isEditing = !element('editor').hidden; // its panel lies where this one would
+    if (size && !isEditing) return this.wait({files, size});
+    this.wait(null);
+    return this.upload(files, this.wishes());
+  }
+
+  /** @param {?{files: File[], size: object}} waiting their body's size as of sizeOfBody() */
+  wait(waiting) {
+    this.waiting = waiting;
+    element('waiting').hidden = !waiting;
+    element('new-edge-field').hidden = Boolean(waiting);
+    if (!waiting) return;
+    element('waiting-files').textContent = waiting.files.map(({name}) => name).join(', ');
+    element('waiting-edge').value = 0;
+    element('before').open = true;
+    this.showExpected();
+    this.toggle(true);
+    dispatchEvent(new Event('resize')); // the organ lies beside the panel
+    element('open-now').focus();
+  }
+
+  /** From the file's coordinates to metres. */
+  scaleOfWaiting() {
+    const asked = Number(element('new-units').value);
+    return asked > 0 ? asked : this.waiting.size.diagonal > largestOrgan ? 1e-3 : 1;
+  }
+
+  /** The edge that the slider says [m]. */
+  edgeOfWaiting() {
+    const {diagonal} = this.waiting.size;
+    return ((this.scaleOfWaiting() * diagonal) / edgesAlong) * perStep ** element('waiting-edge').value;
+  }
+
+  /** Speed of waves in a tissue, but for a factor that all have; of none, in liver. */
+  waveIn(tissue) {
+    const found = this.choices.tissues.find(({name}) => name === (tissue || 'liver'));
+    return found ? Math.sqrt(found.young / found.density) : 1;
+  }
+
+  showExpected() {
+    if (!this.waiting) return;
+    const {size, area, volume} = this.waiting.size,
+      {chosen} = this.choices,
+      scale = this.scaleOfWaiting(),
+      edge = this.edgeOfWaiting(),
+      tets = tetrahedraOfBody({volume: scale ** 3 * volume, area: scale ** 2 * area}, edge),
+      figures = [`about ${Math.round(Number(tets.toPrecision(2))).toLocaleString('en')} tetrahedra`];
+    element('waiting-size').textContent =
+      size.map(side => Number((1e3 * scale * side).toPrecision(3))).join(' × ') + ' mm';
+    element('waiting-length').textContent = `${Number((1e3 * edge).toPrecision(2))} mm`;
+    if (this.now.possible > 0 && chosen) {
+      const now = {...this.now, edge: chosen.edge, wave: this.waveIn(chosen.tissue)},
+        other = {tets, edge, wave: this.waveIn(element('new-tissue').value)};
+      figures.push(`${Number(speedOfOther(now, other).toPrecision(2))} × real time`);
+    }
+    figures.push(`error about ${(100 * error(tets)).toPrecision(2)} %`);
+    const isUnknown = chosen && !(this.now.possible > 0);
+    element('waiting-figures').textContent =
+      figures.join(', ') + (isUnknown ? '. Pull the organ that is there: then the speed is known, too' : '');
+  }
+
+  /** Files one after the other, then asks to open them. */
+  async upload(/** @type {File[]} */ files, wishes) {
     const names = [];
     for (const file of files) {
       let name = file.name.replace(/[^A-Za-z0-9_.-]/g, '_').replace(/^[.-]+/, '');
@@ -120,13 +198,14 @@ export class Opener {
       names.push(name);
     }
     this.show('');
-    this.ask({do: 'open', files: names, ...this.wishes()});
+    this.ask({do: 'open', files: names, ...wishes});
   }
 
   /** What was chosen for a file before it is opened; where nothing was, lobe chooses. */
   wishes() {
     const value = id => element(`new-${id}`).value,
-      edge = 1e-3 * Number(value('edge'));
+      isMoved = Number(element('waiting-edge').value) !== 0,
+      edge = this.waiting ? isMoved && this.edgeOfWaiting() : 1e-3 * Number(value('edge'));
     return {
       tissue: value('tissue'),
       hold: value('hold'),
@@ -157,6 +236,7 @@ export class Opener {
     element('shipped').replaceChildren(option('', 'Choose …'), scenes, organs);
     if (!element('new-tissue').options.length) this.offer();
     this.showErrors(choices.errors);
+    this.showExpected();
     const {chosen} = choices;
     element('chosen').hidden = !chosen;
     if (!chosen) return;
@@ -291,6 +371,7 @@ export class Opener {
     if (!isNews && possible <= status.possible && tets === status.tets) return;
     this.now = {possible: status.possible, tets: status.tets};
     if (isNews) this.showChoices();
+    if (isNews) this.showExpected();
   }
 
   show(text, mayCancel = false) {

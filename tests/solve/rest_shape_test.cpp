@@ -200,6 +200,12 @@ TEST_CASE("what cannot be found is said, and the best shape is returned") {
   CHECK(none.reason.find("% of the loads taken off") != std::string::npos);
   CHECK(none.load_fraction < 0.1);
   CHECK(none.points.allFinite());
+  for (double gravity : {15, 100, 1000}) {
+    const RestShape hopeless = find_rest_shape(hanging_bar(9.81 * gravity));
+    CHECK_FALSE(hopeless.converged);
+    CHECK_MESSAGE(hopeless.reason.find("no rest shape with more than") == 0, hopeless.reason);
+    CHECK(hopeless.iterations < 100);
+  }
   Setup free = hanging_bar();
   free.prescribed.clear();
   CHECK_THROWS_WITH_AS(find_rest_shape(free), doctest::Contains("held"), InputError);

@@ -17,7 +17,7 @@ namespace {
 constexpr int most_per_share = 40;       // iterations with one share of the loads
 constexpr int most_without_gain = 8;     // iterations in a row that come no nearer
 constexpr int most_halvings = 8;         // of one step that would invert a tetrahedron
-constexpr double smallest_share = 1e-3;  // of the loads, in which they are taken off
+constexpr double smallest_share = 1e-2;  // of the loads, in which they are taken off
 constexpr double slow = 0.5;  // an iteration that leaves more of the distance asks for a new factor,
 constexpr int young = 4;      // unless the factor is younger [iterations]
 constexpr double share_of_tolerance =
@@ -237,6 +237,10 @@ bool Search::find(double share, Mat3X<double>& points) {
   for (int i = 0, without_gain = 0; i < most_per_share && without_gain < most_without_gain; ++i) {
     if (found_.iterations == options_.most_iterations) break;
     if (!take_step(share, trial)) return false;
+    if (distance_ > size_) {
+      trouble_ = "the loaded shape leaves the given one by more than its size";
+      return false;
+    }
     without_gain = distance_ < least ? 0 : without_gain + 1;
     if (distance_ < least) {
       least = distance_;

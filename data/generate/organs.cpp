@@ -46,9 +46,7 @@ void write_obj(const std::filesystem::path& file, const Organ& organ) {
 int main(int argc, char** argv) {
   CLI::App app{"Generates the organ surfaces of data/ from formulas."};
   std::filesystem::path folder;
-  app.add_option("-o,--output", folder,
-                 "Folder to write liver.obj, kidney.obj, cylinder.obj, liver_labels.nrrd to")
-      ->required();
+  app.add_option("-o,--output", folder, "Folder to write liver.obj and the other files to")->required();
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -58,8 +56,12 @@ int main(int argc, char** argv) {
     std::filesystem::create_directories(folder);
     const Eigen::AlignedBox3d liver_box(organs::Vec3(-0.12, -0.09, -0.09), organs::Vec3(0.13, 0.09, 0.09));
     const Eigen::AlignedBox3d kidney_box(organs::Vec3(-0.05, -0.04, -0.07), organs::Vec3(0.05, 0.04, 0.07));
+    const Eigen::AlignedBox3d gallbladder_box(organs::Vec3(-0.055, -0.075, -0.065),
+                                              organs::Vec3(0.015, 0.045, 0.015));
     const Organ all[] = {{"liver", organs::iso_surface(organs::liver, liver_box, 0.0055)},
                          {"kidney", organs::iso_surface(organs::kidney, kidney_box, 0.0036)},
+                         {"gallbladder", organs::iso_surface(organs::gallbladder, gallbladder_box, 0.0016)},
+                         {"artery", organs::iso_surface(organs::artery, gallbladder_box, 0.0012)},
                          {"cylinder", organs::cylinder()}};
     bool sound = true;
     for (const Organ& organ : all) {

@@ -12,6 +12,9 @@ namespace organs {
 // right lobe of the liver is on the left of the picture.
 double liver(const Vec3& p);   // negative inside [m]
 double kidney(const Vec3& p);  // a right kidney: its hilum looks to +x
+// In the fossa of that liver, 2.5 to 3 mm from it, and 2 mm from each other.
+double gallbladder(const Vec3& p);  // with its duct
+double artery(const Vec3& p);       // of the gallbladder
 
 struct Surface {
   std::vector<Vec3> points;                   // [m]

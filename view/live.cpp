@@ -17,6 +17,7 @@
 #include "lobe/scene/read_scene.h"
 #include "lobe/scene/read_shape.h"
 #include "skin_feed.h"
+#include "thread_feed.h"
 
 namespace lobe::view {
 namespace {
@@ -66,6 +67,7 @@ class LiveOf final : public Live {
     }
     changed_.notify_all();
     measuring_.join();
+    sewing_.reset();
     controller_.reset();
     haptics_.reset();
     session_.stop();
@@ -73,13 +75,19 @@ class LiveOf final : public Live {
 
   void change_hands(bool somebody) override {
     number_ = no_controller;
+    sewing_.reset();
     controller_.reset();
-    if (somebody) number_ = controller_.emplace(session_.connect("page")).number();
+    if (somebody) {
+      number_ = controller_.emplace(session_.connect("page")).number();
+      sewing_.emplace(
+          session_, [this](const HandCommand& command) { return send_numbered(command); }, hand_limits);
+    }
     lead_device();
   }
 
   bool hands_hold() const override {
     const auto status = session_.status();
+    if (threads_.is_held()) return true;
     return status && std::any_of(status->hands.begin(), status->hands.end(), [&](const HandStatus& hand) {
              return hand.controller == number_ && hand.tool != 0;
            });
@@ -101,6 +109,11 @@ class LiveOf final : public Live {
   bool send(HandCommand command) override {
     if (!controller_ || (haptics_ && haptics_->takes(command))) return true;
     return controller_->send(command);
+  }
+
+  SewingHand* sewing_hand(std::uint64_t sequence) override {
+    sequence_ = sequence;
+    return sewing_ ? &*sewing_ : nullptr;
   }
 
   std::uint64_t news() const override {
@@ -179,9 +192,17 @@ class LiveOf final : public Live {
     options.published = [this, published = options.published] {
       if (skin_) skin_->update(session_.world());
       if (gauge_.follows()) gauge_.follow(session_.world());
+      threads_.update(session_.world());
       if (published) published();
     };
     return options;
+  }
+
+  // By whichever thread: that of the server, or that of the session, which leads what a hand pulls.
+  bool send_numbered(const HandCommand& command) {
+    HandCommand numbered = command;
+    numbered.sequence = sequence_;
+    return controller_->send(numbered);
   }
 
   void lead_device() {
@@ -317,6 +338,7 @@ class LiveOf final : public Live {
     status["step"] = picture.figures.time_step;
     status["tets"] = picture.figures.tets;
     status["seen"] = last_seen(session);
+    if (Json threads = threads_.figures(); !threads.empty()) status["threads"] = std::move(threads);
     if (setup_.mesh.bodies.any()) status["bodies"] = setup_.mesh.bodies.names;
     Json& messages = status["messages"] = Json::array();
     for (const SessionMessage& message : *session.messages)
@@ -332,10 +354,13 @@ class LiveOf final : public Live {
   const Setup setup_;
   std::optional<SkinFeed<Real>> skin_;  // none while the session is being made
   Gauge<Real> gauge_;                   // of the thread of the session, between frames
+  ThreadFeed threads_;
   Session<Real> session_;
   const std::function<void()> published_;
   static constexpr int no_controller = HandQueue::most_controllers;
   std::optional<Controller> controller_;
+  std::optional<Sewing<Real>> sewing_;  // of controller_
+  std::atomic<std::uint64_t> sequence_ = 0;
   std::atomic<int> number_ = no_controller;  // of controller_, for threads that look for news
   std::optional<Haptics<Real>> haptics_;
   std::set<std::string> scene_tools_;

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "haptics.h"
-#include "lobe/live/hand_command.h"
+#include "lobe/live/sewing.h"
 #include "lobe/scene/resolve.h"
 #include "protocol.h"
 
@@ -40,13 +40,16 @@ class Live {
 
   // Call it when another page gets the hands, or none. Hands then let go.
   virtual void change_hands(bool somebody) = 0;
-  // Whether a hand of the page has a tool.
+  // Whether a hand of the page has a tool, or pulls a thread.
   virtual bool hands_hold() const = 0;
   // Gives it the device that its hand follows. Null: none.
   virtual void take_haptics(std::unique_ptr<HapticRig> rig) = 0;
   virtual std::unique_ptr<HapticRig> release_haptics() = 0;
   // Returns false if the simulation has not taken a command for a long time.
   virtual bool send(HandCommand command) = 0;
+  // The hand of the page as one that sews; what it does has this number (HandCommand::sequence). Null: nobody
+  // has the hands.
+  virtual SewingHand* sewing_hand(std::uint64_t sequence) = 0;
   // Changes when there is something new to send.
   virtual std::uint64_t news() const = 0;
   // Writes a frame of what is new, and figures into `status`. `scalar`: as in gauge.h.

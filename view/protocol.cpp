@@ -38,6 +38,12 @@ void read(const Json& json, const std::string& place, int& hand) {
   hand = static_cast<int>(number);
 }
 
+void read(const Json& json, const std::string& place, request::Whole& value) {
+  constexpr double most = 1e6;
+  if (!json.is_number_integer()) throw InputError(place, "must be an integer");
+  value.value = static_cast<int>(number_in(json, place, most));
+}
+
 void read(const Json& json, const std::string& place, bool& value) {
   if (!json.is_boolean()) throw InputError(place, "must be true or false");
   value = json.get<bool>();

@@ -141,6 +141,61 @@ struct LetGo {
   static constexpr const char* name = "let_go";
   static constexpr auto fields = std::tuple(Field{"hand", &LetGo::hand});
 };
+// ---- Thread (lobe/live/sewing.h). The client chooses the number of a thread.
+
+struct Whole {  // a number that may be below 0
+  int value = 0;
+};
+struct TakeThread {
+  Whole thread;
+  double stiffness = 98, friction = 0.2, strength = 20,
+         holds = 1;  // of ThreadMaterial (setup/thread_setup.h)
+  static constexpr const char* name = "thread";
+  static constexpr auto fields =
+      std::tuple(Field{"thread", &TakeThread::thread}, Field{"stiffness", &TakeThread::stiffness},
+                 Field{"friction", &TakeThread::friction}, Field{"strength", &TakeThread::strength},
+                 Field{"holds", &TakeThread::holds});
+};
+// Draws it through the tissue, `depth` below the point where a ray enters the body.
+struct Stitch {
+  Whole thread;
+  Vec3d from = Vec3d::Zero(), along = Vec3d::Zero();  // [m]; of any length but 0
+  double depth = 0;                                   // [m]
+  static constexpr const char* name = "stitch";
+  static constexpr auto fields = std::tuple(Field{"thread", &Stitch::thread}, Field{"from", &Stitch::from},
+                                            Field{"along", &Stitch::along}, Field{"depth", &Stitch::depth});
+};
+// Takes its free ends, or leads them to a place; lets go of them.
+struct PullThread {
+  Whole thread;
+  Vec3d to = Vec3d::Zero();  // [m]
+  static constexpr const char* name = "pull_thread";
+  static constexpr auto fields =
+      std::tuple(Field{"thread", &PullThread::thread}, Field{"to", &PullThread::to});
+};
+struct DropThread {
+  Whole thread;
+  static constexpr const char* name = "drop_thread";
+  static constexpr auto fields = std::tuple(Field{"thread", &DropThread::thread});
+};
+// Ties a knot between two bites, or draws one together further. Bites are counted from 0; −1 is the last.
+struct TieThread {
+  Whole thread, first, last;
+  double tighten = 0;  // [m]
+  static constexpr const char* name = "tie";
+  static constexpr auto fields =
+      std::tuple(Field{"thread", &TieThread::thread}, Field{"first", &TieThread::first},
+                 Field{"last", &TieThread::last}, Field{"tighten", &TieThread::tighten});
+};
+// Cuts the thread that passes a ray within a distance.
+struct CutThreadNear {
+  Vec3d from = Vec3d::Zero(), along = Vec3d::Zero();  // [m]; of any length but 0
+  double within = 0;                                  // [m]
+  static constexpr const char* name = "cut_thread";
+  static constexpr auto fields =
+      std::tuple(Field{"from", &CutThreadNear::from}, Field{"along", &CutThreadNear::along},
+                 Field{"within", &CutThreadNear::within});
+};
 struct Pause {
   bool on = false;
   static constexpr const char* name = "pause";
@@ -317,9 +372,10 @@ struct SaveScene {
 };
 
 using Any =
-    std::variant<Seen, Take, Bring, TurnOn, Lead, LetGo, Pause, Step, Speed, Restart, Back, Show, Skin,
-                 Control, HandOver, Keep, Export, Edit, Paint, PaintMaterial, NewMaterial, Mend, PaintAll,
-                 Stroke, Undo, Propose, Apply, Save, Open, OpenShipped, Remake, Judge, Cancel, SaveScene>;
+    std::variant<Seen, Take, Bring, TurnOn, Lead, LetGo, TakeThread, Stitch, PullThread, DropThread,
+                 TieThread, CutThreadNear, Pause, Step, Speed, Restart, Back, Show, Skin, Control, HandOver,
+                 Keep, Export, Edit, Paint, PaintMaterial, NewMaterial, Mend, PaintAll, Stroke, Undo, Propose,
+                 Apply, Save, Open, OpenShipped, Remake, Judge, Cancel, SaveScene>;
 }  // namespace request
 
 inline constexpr int hand_count = 8;

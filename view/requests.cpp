@@ -66,6 +66,37 @@ void Viewer::perform(ClientId, const request::LetGo& what) {
   send({.kind = Kind::let_go, .hand = static_cast<HandNumber>(what.hand)});
 }
 
+// ---- Thread
+
+void Viewer::perform(ClientId, const request::TakeThread& what) {
+  const ThreadMaterial material{what.stiffness, what.friction, what.strength, what.holds};
+  sew([&](SewingHand& hand) { return hand.bring(what.thread.value, material); });
+}
+
+void Viewer::perform(ClientId, const request::Stitch& what) {
+  sew([&](SewingHand& hand) {
+    return hand.bite_below(what.thread.value, what.from, what.along, what.depth);
+  });
+}
+
+void Viewer::perform(ClientId, const request::PullThread& what) {
+  sew([&](SewingHand& hand) { return hand.pull(what.thread.value, what.to); });
+}
+
+void Viewer::perform(ClientId, const request::DropThread& what) {
+  sew([&](SewingHand& hand) { return hand.let_go(what.thread.value); });
+}
+
+void Viewer::perform(ClientId, const request::TieThread& what) {
+  sew([&](SewingHand& hand) {
+    return hand.tie(what.thread.value, what.first.value, what.last.value, what.tighten);
+  });
+}
+
+void Viewer::perform(ClientId, const request::CutThreadNear& what) {
+  sew([&](SewingHand& hand) { return hand.cut_near(what.from, what.along, what.within); });
+}
+
 // ---- Time
 
 void Viewer::perform(ClientId, const request::Pause& what) { send({.kind = Kind::run, .on = !what.on}); }

@@ -124,11 +124,25 @@ void Viewer::carry_out(ClientId client, std::string_view text) {
   std::visit([&](const auto& what) { perform(client, what); }, request.what);
 }
 
+namespace {
+
+[[noreturn]] void refuse_full_queue() {
+  throw InputError("/do", "the simulation takes no commands at present: try again");
+}
+
+}  // namespace
+
+std::uint64_t Viewer::sequence() const { return static_cast<std::uint64_t>(std::max(0.0, number_)); }
+
 void Viewer::send(const HandCommand& command) {
   HandCommand numbered = command;
-  numbered.sequence = static_cast<std::uint64_t>(std::max(0.0, number_));
-  if (!live_->send(numbered))
-    throw InputError("/do", "the simulation takes no commands at present: try again");
+  numbered.sequence = sequence();
+  if (!live_->send(numbered)) refuse_full_queue();
+}
+
+void Viewer::sew(const std::function<bool(SewingHand& hand)>& work) {
+  SewingHand* hand = live_->sewing_hand(sequence());
+  if (hand && !work(*hand)) refuse_full_queue();
 }
 
 // Measures what the client in control wants to see. Others see it if they want the same.

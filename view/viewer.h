@@ -114,6 +114,8 @@ class Viewer final : public Service {
   void write_live_frame(ClientId id, BlockWriter& out);
   void add_session(nlohmann::json& status, ClientId id) const;
   void send(const HandCommand& command);
+  std::uint64_t sequence() const;  // of the request that is carried out, as HandCommand has it
+  void sew(const std::function<bool(SewingHand& hand)>& work);
   void begin(const std::function<void(Task&)>& work, const std::string& title = {});
   using MakeFile = std::function<std::filesystem::path(Child& child)>;
   void open(const std::string& title, const Origin& origin, const MakeFile& make_file);
@@ -132,6 +134,12 @@ class Viewer final : public Service {
   void perform(ClientId client, const request::TurnOn& what);
   void perform(ClientId client, const request::Lead& what);
   void perform(ClientId client, const request::LetGo& what);
+  void perform(ClientId client, const request::TakeThread& what);
+  void perform(ClientId client, const request::Stitch& what);
+  void perform(ClientId client, const request::PullThread& what);
+  void perform(ClientId client, const request::DropThread& what);
+  void perform(ClientId client, const request::TieThread& what);
+  void perform(ClientId client, const request::CutThreadNear& what);
   void perform(ClientId client, const request::Pause& what);
   void perform(ClientId client, const request::Step& what);
   void perform(ClientId client, const request::Speed& what);

@@ -1,4 +1,4 @@
-// A hook and clips of the page in a headless Chromium.
+// A hook, clips, and needle and thread of the page in a headless Chromium.
 // Usage: node browser_clips_test.mjs LOBE_VIEW SCENE MODULES OUT
 import {drag, grip, openPage, until} from './page_support.mjs';
 
@@ -51,4 +51,43 @@ check(await until(page, () => lobe.instruments.shown.size === 0), 'and goes');
 await shot('clipped');
 await page.keyboard.press('Control+z');
 check(await until(page, () => lobe.lines.tubes.clips.count === 0), 'undone, there is none');
+
+// ---- Needle and thread: click in, click out, draw up, tie
+
+await page.keyboard.press('r');
+await until(page, () => lobe.status.time < 1 && lobe.history.acts.length === 0);
+await page.keyboard.press('n');
+check(/Click in, click out/.test(await page.textContent('#hint')), 'the page says how one sews');
+const thread = () => page.evaluate(() => lobe.status.threads?.[0]);
+const has = condition => until(page, new Function(`const thread = lobe.status.threads?.[0]; return ${condition}`));
+const twice = async (x, y) => {
+  await page.mouse.click(x, y);
+  await page.mouse.click(x, y);
+};
+await twice(at.x - 60, at.y);
+check(
+  await until(page, () => /A knot needs two places/.test(document.getElementById('messages').textContent)),
+  'one place is no stitch, which the page says',
+);
+await page.waitForTimeout(500);
+await page.mouse.click(at.x - 20, at.y);
+check(await has('thread?.bites.length === 2'), 'two clicks are two bites of one thread');
+check(await until(page, () => lobe.lines.tubes.threads.count === 1), 'which is drawn');
+await page.waitForTimeout(500);
+await drag(page, {x: at.x - 40, y: at.y}, 0, -80);
+check(await has('thread?.held && thread.pull > 0.02'), 'a drag draws its ends up');
+check(await until(page, () => /Drawn up with/.test(document.getElementById('hint').textContent)), 'with a force that is told');
+await shot('drawn_up');
+await page.mouse.up();
+await page.waitForTimeout(500);
+check((await thread()).held, 'they stay in the hand');
+await twice(at.x - 40, at.y);
+check(await has('thread?.knots.length === 1 && !thread.held'), 'a double click ties');
+check(await until(page, () => lobe.lines.tubes.threads.count === 2), 'a loop');
+await shot('tied');
+await page.keyboard.press('Control+z');
+check(await has('thread && thread.knots.length === 0 && !thread.held'), 'undone, the thread is free');
+await page.waitForTimeout(500);
+await twice(at.x - 40, at.y);
+check(await has('thread?.knots.length === 1 && thread.bites.length === 3'), 'and goes on, to a third place');
 await end();

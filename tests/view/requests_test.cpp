@@ -34,6 +34,25 @@ TEST_CASE("a request has its fields and its number") {
   CHECK(std::holds_alternative<request::Seen>(parse_request(R"({"do": "seen"})").what));
 }
 
+TEST_CASE("a page sews: threads and bites have numbers, and bites may be counted from the last") {
+  const auto thread = std::get<request::TakeThread>(
+      parse_request(
+          R"({"do": "thread", "thread": 12, "stiffness": 98, "friction": 0, "strength": 20, "holds": 1.5})")
+          .what);
+  CHECK(thread.thread.value == 12);
+  CHECK(thread.friction == 0);
+  CHECK(thread.holds == 1.5);
+  const auto tie = std::get<request::TieThread>(
+      parse_request(R"({"do": "tie", "thread": 12, "first": 0, "last": -1, "tighten": 0.002})").what);
+  CHECK(tie.first.value == 0);
+  CHECK(tie.last.value == -1);
+  CHECK(tie.tighten == 0.002);
+  CHECK(fault(R"({"do": "drop_thread", "thread": 1.5})") == "/thread: must be an integer");
+  CHECK(fault(R"({"do": "drop_thread", "thread": 1e300})") == "/thread: must be an integer");
+  CHECK(fault(R"({"do": "drop_thread", "thread": 2000000})") == "/thread: is out of range");
+  CHECK(fault(R"({"do": "pull_thread", "thread": 1})") == "/to: is missing from pull_thread");
+}
+
 TEST_CASE("what is wrong with a request is named") {
   CHECK(fault("") == "request: is no JSON");
   CHECK(fault("[1]") == "request: must be an object");

@@ -32,6 +32,7 @@ export class Hands {
     this.onBlade = () => {}; // told of a blade that cuts (scalpel.js); null: there is none any more
     this.tape = null; // with begin(hit) and reach(hit)
     this.pins = null; // with click(hit, x, y), while they are set
+    this.needle = null; // stitch.js
     this.brush = null; // of the editor: {paint(point), end()}
     const canvas = stage.canvas;
     canvas.addEventListener('pointerdown', event => this.down(event));
@@ -44,7 +45,7 @@ export class Hands {
     canvas.addEventListener('pointerup', event => this.up(event));
     canvas.addEventListener('pointercancel', event => this.up(event));
     canvas.addEventListener('contextmenu', event => event.preventDefault());
-    canvas.addEventListener('dblclick', () => this.releaseHeld());
+    canvas.addEventListener('dblclick', () => this.kind === 'stitch' || this.releaseHeld()); // or it ties
     canvas.addEventListener('wheel', event => this.wheel(event), {passive: false});
     canvas.addEventListener('pointerleave', () => this.showNothing());
     this.ring = makeRing();
@@ -54,11 +55,13 @@ export class Hands {
 
   setKind(kind) {
     this.letGo();
+    if (this.needle?.pulled && kind !== 'stitch') this.needle.drop();
     this.kind = kind;
     this.sizes.setKind(kind);
     this.hideBlade();
     this.ring.visible = false;
-    this.stage.canvas.classList.toggle('cautery', ['cautery', 'scalpel', 'hook', 'clip', 'measure'].includes(kind));
+    const aims = ['cautery', 'scalpel', 'hook', 'clip', 'measure', 'stitch'].includes(kind);
+    this.stage.canvas.classList.toggle('cautery', aims);
     this.stage.canvas.classList.toggle('paint', kind === 'paint');
     this.stage.invalidate();
   }
@@ -71,7 +74,7 @@ export class Hands {
   /** The radius of the ring [m]. */
   reach() {
     if (this.kind === 'paint') return this.brush.radius();
-    if (this.kind === 'scalpel' || this.kind === 'measure') return 0.03 * this.stage.size;
+    if (['scalpel', 'measure', 'stitch'].includes(this.kind)) return 0.03 * this.stage.size;
     return this.sizes.of(this.kind) * (['jaws', 'clip', 'hook'].includes(this.kind) ? 0.5 : 1);
   }
 
@@ -86,6 +89,8 @@ export class Hands {
       if (this.pins?.isSetting && this.pins.click(this.organ.hit(ray), x, y)) return this.last.delete(pointerId);
       if (this.may && this.kind !== 'paint' && this.takeHeld(event)) return;
       const hit = this.organ.hit(ray);
+      if (this.kind === 'stitch' && this.needle.down(event, hit, ray))
+        return this.actives.set(pointerId, {kind: 'stitch'});
       if (hit) return this.begin(pointerId, hit, ray);
       const beside = this.kind === 'hook' && this.organ.beside(x, y, nearby);
       if (beside) return this.begin(pointerId, {point: beside, isBeside: true}, ray);
@@ -171,7 +176,7 @@ export class Hands {
 
   /** Whether a hand has an instrument, or the camera. */
   isBusy() {
-    return this.actives.size + this.camera.size + this.held.size > 0;
+    return this.actives.size + this.camera.size + this.held.size > 0 || Boolean(this.needle.pulled);
   }
 
   freeHand() {
@@ -221,6 +226,7 @@ export class Hands {
 
   drag(active, event, dx, dy) {
     const {kind} = active;
+    if (kind === 'stitch') return this.needle.drag(event, dx, dy);
     if (kind === 'paint' || kind === 'cautery' || kind === 'measure') {
       const hit = this.organ.hit(this.stage.ray(event.offsetX, event.offsetY));
       if (!hit) return;
@@ -279,6 +285,7 @@ export class Hands {
     event.preventDefault();
     const notches = event.deltaY / (event.deltaMode === 1 ? 3 : 100);
     const {active} = this;
+    if (this.kind === 'stitch' && this.needle.wheel(notches)) return;
     if (!active?.point) return this.stage.zoom(1.12 ** notches);
     if (active.blade) {
       active.blade.turnWheel(notches);
@@ -295,8 +302,9 @@ export class Hands {
     this.last.delete(pointerId);
     this.camera.delete(pointerId);
     if (!active) return;
-    if (active.kind === 'paint') {
-      this.brush.end();
+    if (active.kind === 'paint' || active.kind === 'stitch') {
+      if (active.kind === 'paint') this.brush.end();
+      else this.needle.up(event);
       this.actives.delete(pointerId);
     } else if (active.kind === 'clip' && event.type !== 'pointercancel') {
       this.close(pointerId);
@@ -350,6 +358,7 @@ export class Hands {
     for (const hand of this.held.keys()) this.ask({do: 'let_go', hand});
     this.held.clear();
     this.letGo();
+    if (this.kind === 'stitch') this.needle.drop();
   }
 
   /** The server has let go of everything. */
@@ -358,6 +367,7 @@ export class Hands {
     this.actives.clear();
     this.closing.clear();
     this.camera.clear();
+    this.needle?.forget();
     this.hideBlade();
     this.showHolding();
   }
@@ -367,6 +377,7 @@ export class Hands {
     this.stage.canvas.classList.toggle('away', !hit && this.kind === 'grasp');
     this.showRing(hit?.point, hit);
     this.onHover(hit, event.offsetX, event.offsetY);
+    if (this.kind === 'stitch') this.needle.hover(hit);
     if (this.kind !== 'scalpel') return;
     if (!hit) return this.hideBlade();
     const depth = this.sizes.of('scalpel');

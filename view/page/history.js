@@ -8,6 +8,7 @@ const words = {
   jaws: 'Grip',
   hook: 'Hook',
   clip: 'Clip',
+  stitch: 'Stitch',
 };
 const margin = 0.1; // the simulation is ahead of what the page has heard, by about that [s]
 

@@ -22,6 +22,7 @@ export function listenToKeys(page) {
     j: press('tool-jaws'),
     u: press('tool-hook'),
     a: press('tool-clip'),
+    n: press('tool-stitch'),
     d: () => page.hands.setPedal(true),
     e: press('tool-paint'),
     t: press('tool-measure'),

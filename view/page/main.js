@@ -18,6 +18,7 @@ import {Pins} from './pins.js';
 import {Plot} from './plots.js';
 import {listenToPreferences} from './preferences.js';
 import {Section} from './section.js';
+import {Needle} from './stitch.js';
 import {graphics, Stage} from './stage.js';
 import {KeyHand} from './key_hand.js';
 import {listenToKeys} from './keys.js';
@@ -38,6 +39,7 @@ const hints = {
   jaws: 'Press on the organ: the jaws grip what is between them',
   hook: 'Begin beside an edge and drag to lift it. D, or the right button too, burns',
   clip: 'Press on what is narrow. The clip closes when you let go; Esc takes the applier away',
+  stitch: 'Click in, click out; drag to draw the thread up; double click ties. Shift and a click cuts',
   measure: 'Drag over the organ to measure a distance',
 };
 
@@ -54,6 +56,8 @@ class Page {
     this.sizes = new ToolSizes(element('tool-size'));
     this.hands = new Hands(this.stage, this.organ, this.ask, this.sizes, new DepthGauge(element('depth')));
     this.tape = this.hands.tape = new Tape(this.stage, this.organ, element('labels'));
+    const depth = () => this.sizes.of('stitch');
+    this.needle = this.hands.needle = new Needle(this.stage, this.organ, this.ask, depth);
     this.keyHand = new KeyHand(this.stage, this.hands);
     this.editor = new Editor(this.ask);
     this.hands.brush = this.editor;
@@ -148,6 +152,7 @@ class Page {
       this.follow(frame.positions.x);
       this.tape.follow();
       this.pins.follow();
+      this.needle.follow();
     }
     this.lines.set(frame.lines ?? []);
     if (frame.scalar) this.organ.setScalar(frame.scalar);
@@ -230,6 +235,7 @@ class Page {
     this.showControl(status);
     if (status.run !== this.run) this.beginAnew(status.run);
     this.messages.take(status.messages ?? []);
+    this.needle.take(status.threads ?? []);
     if (status.mode === 'live') {
       const back = status.messages?.findLast(({name}) => name === 'went_back');
       this.history.take(status.time, status.seen, back);
@@ -445,6 +451,7 @@ class Page {
     click('tool-jaws', () => this.take('jaws'));
     click('tool-hook', () => this.take('hook'));
     click('tool-clip', () => this.take('clip'));
+    click('tool-stitch', () => this.take('stitch'));
     click('tool-measure', () => this.take('measure'));
     click('tool-paint', () => this.take('paint'));
     click('pause', () => this.ask({do: 'pause', on: this.status.running}));
@@ -481,7 +488,12 @@ class Page {
     };
     this.hands.onHover = (hit, x, y) => this.bodies.point(hit ? this.organ.bodyOf(hit) : undefined, x, y);
     this.hands.onEntry = (hit, {forward}) => this.rememberBlade(hit, forward);
-    this.hands.onRefusal = why => this.messages.add(why);
+    this.hands.onRefusal = this.needle.onRefusal = why => this.messages.add(why);
+    this.needle.onAct = () => this.hands.onAct('stitch');
+    this.needle.onPull = newtons => {
+      if (newtons === null) this.hint('');
+      else if (this.isDue) this.hint(`Drawn up with ${newtons.toFixed(2)} N. Double click ties; Esc lets go`);
+    };
     this.hands.onBlade = blade =>
       this.hint(blade ? `${inMillimetres(blade.depth)} deep; the wheel changes it` : '');
     listenToPreferences((name, on) => {
@@ -519,6 +531,7 @@ class Page {
       ['tool-jaws', 'jaws'],
       ['tool-hook', 'hook'],
       ['tool-clip', 'clip'],
+      ['tool-stitch', 'stitch'],
       ['tool-measure', 'measure'],
       ['tool-paint', 'paint'],
     ])

@@ -44,8 +44,8 @@ class CondensedRegion {
   struct Change {
     Matrix stiffness = {}, loads = {};
   };
-  // Components that would become a mechanism are promoted. `repeated`: the same change for the region on
-  // which it is repeated.
+  // Components that would become a mechanism are promoted. `repeated`: the change for a region that is
+  // being condensed, which repeats it.
   void change(const Components& components, const Change& change, const Change& repeated);
   bool demote(const Components& components);  // false if the region would be a mechanism
   void forget(const Components& components);

@@ -127,8 +127,8 @@ class PrecomputedRegion {
   void prepare_frame(const Elements& elements);
   void open(const std::vector<Index>& components);
   void grow(const Elements& elements, const RegionEdit& edit);
-  // Smoothing domains that an edit has changed: as they were, and the numbers of those that are new, have
-  // changed or are gone.
+  // Smoothing domains that an edit has changed: as they were before, and the numbers of all that are new,
+  // have changed or are gone.
   struct DomainChange {
     std::vector<SmoothedEdge> before;
     std::vector<Index> changed;

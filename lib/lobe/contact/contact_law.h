@@ -46,7 +46,7 @@ struct ContactLaw {
     const double linear = bounded(depth + held);
     return stiffness * linear * (depth + held - linear / 2);
   }
-  // What is held after a time [s].
+  // The held depth after a time [s].
   double held_after(double time, double depth, double held) const {
     if (depth > 0 && depth + held >= deepest) return held;
     return std::max(0.0, held + hold * time * depth);

@@ -1,8 +1,8 @@
 // The part of a law that nodal pressure takes over (theory, section 12): with a given pressure p,
 //   W = V p θ/2,  P = p ∂θ/∂F.
-// Of St Venant-Kirchhoff θ = tr E, and ∂θ/∂F = F. Of other laws θ = J − 1, J = det F, and ∂θ/∂F = cof F:
-// these resist a change of J, which tr E does not tell when a material is far stretched. The formulas of the
-// law are called with (1 − χ)λ and μ.
+// For St Venant-Kirchhoff θ = tr E, and ∂θ/∂F = F. For other laws θ = J − 1, J = det F, and ∂θ/∂F = cof F:
+// they resist a change of J, which tr E does not tell in far stretched material. The formulas of the law are
+// called with (1 − χ)λ and μ.
 #pragma once
 
 #include "lobe/fem/law_moduli.h"

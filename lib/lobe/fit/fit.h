@@ -28,8 +28,8 @@ struct FitCase {
 
 struct FitOptions {
   int most_iterations = 60;
-  double tolerance = 1e-7;  // size of a step on the scales of the parameters, of equilibria
-  // The same of motions. Their number of time steps changes with the moduli, so that the misfit has steps.
+  double tolerance = 1e-7;  // size of a step on the scales of the parameters, in fits to equilibria
+  // In fits to motions. Their number of time steps changes with the moduli, so that the misfit has steps.
   double tolerance_in_motion = 3e-4;
   StaticOptions statics = {};
   std::function<void(int iteration, double misfit)> progress = {};  // progress; misfit as in FitResult

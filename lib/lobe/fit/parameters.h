@@ -44,10 +44,10 @@ std::vector<Parameter> find_parameters(const Scene& scene, const std::vector<std
 
 std::vector<Parameter> all_parameters(const Scene& scene);
 
-double value_of(const Parameter& parameter, const Elastic& material);  // of a material's parameter
+double value_of(const Parameter& parameter, const Elastic& material);  // takes a parameter of a material
 // Sets it in what the scene was resolved to, or in the scene. Poisson's ratio stays when Young's modulus is
 // set, and the other way round. An attachment keeps its strength, or its fracture energy.
-void set(const Parameter& parameter, double value, Elastic& material);  // of a material's parameter
+void set(const Parameter& parameter, double value, Elastic& material);  // takes a parameter of a material
 void set(const Parameter& parameter, double value, Setup& setup);
 void set(const Parameter& parameter, double value, Scene& scene);
 

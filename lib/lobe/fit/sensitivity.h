@@ -25,7 +25,7 @@ struct Sensitivity {
   double largest = 0;           // largest displacement [m]
   double force = 0;             // force on what the gesture moves [N]; 0 for the weight
   std::vector<Effect> effects;  // the largest first: by force if there is one, else by displacement
-  // Per tetrahedron: by how much the answer (the force; of the weight, the L2 norm of the displacement)
+  // Per tetrahedron: by how much the answer (the force; under the weight, the L2 norm of the displacement)
   // changes, relative, if the energy of that tetrahedron grows by a relative amount, per share of the body's
   // volume. 1 everywhere: all of the body counts alike. The energy of a smoothing domain or of a nodal
   // pressure is that of its tetrahedra, by volume.
@@ -38,8 +38,8 @@ struct SensitivityOptions {
 };
 
 // For each of static_loads() (linearity/gestures.h):
-// - parameters of materials (parameters.h), by derivatives, for a change by 10 %; of Poisson's ratio, 10 % of
-//   ½ − ν; not those that may be zero,
+// - parameters of materials (parameters.h) that may not be zero, by derivatives, for a change by 10 %; of
+//   Poisson's ratio by 10 % of ½ − ν,
 // - each entry of "boundary" that fixes vertices: held by nine tenths (body/hold_springs.h),
 // - each linear model of a region: as non-linear, and the non-linear one as linear.
 // Throws InputError if the setup is inconsistent or the body is not held.

@@ -6,7 +6,7 @@
 //   T = k <d − l>,  l = g + <a − g> (1 − s),  s = min(1, t/0.2 s),
 // where k is the stiffness of the clip over the number of its pairs. Clips do not push.
 //
-// Of a body that carries something, all of the inside is open to it. It comes in at the vertices that are
+// Blood or bile that a body carries may fill all of its inside. It comes in at the vertices that are
 // fed, and flows from tetrahedron to tetrahedron, except through those that the middle plane of a clip
 // crosses between its legs. Where it reaches a face that a cut or a burn has opened, it bleeds or leaks.
 //

@@ -108,7 +108,7 @@ class Regions {
     };
     return model == RegionModel::reduced || std::any_of(tets.begin(), tets.end(), is_reduced);
   }
-  // For their edits and wishes, and for what judges or draws them.
+  // Single kinds of regions, for their edits and wishes, and for what judges or draws them.
   LatticeRegion<Real>& reduced() { return std::get<LatticeRegion<Real>>(list_); }
   const LatticeRegion<Real>& reduced() const { return std::get<LatticeRegion<Real>>(list_); }
   PrecomputedRegion<Real>& precomputed() { return std::get<PrecomputedRegion<Real>>(list_); }
@@ -116,7 +116,7 @@ class Regions {
 
   // Whether energies are those of the tetrahedra that there are: false between an edit and embed().
   bool are_up_to_date() const { return reduced().is_up_to_date(); }
-  double least_mass(Index vertex) const { return reduced().least_mass(vertex); }  // of a moving vertex [kg]
+  double least_mass(Index vertex) const { return reduced().least_mass(vertex); }  // for a moving vertex [kg]
 
   // Nodes, which move as vertices do.
   bool any_moving_nodes() const { return reduced().any_moving(); }
@@ -142,10 +142,10 @@ class Regions {
 
   // ---- Viscosity: the strains of the dashpots of a Prony series (region/viscosity.h)
 
-  // Puts what entered in an edit without a history, or all, at rest in its strain.
+  // Puts dashpots of what entered in an edit without a history, or all dashpots, at rest in their strain.
   void relax_entered(const Elements& elements, const Mat3X<Real>& u) { relax(elements, u, false); }
   void relax_all(const Elements& elements, const Mat3X<Real>& u) { relax(elements, u, true); }
-  // Before steps that may be taken back, and if they are.
+  // Keeps the dashpots before steps that may be taken back, and takes them back.
   void keep_dashpots() {
     visit_viscous([](auto& patches) { patches.viscosity().keep(); });
   }

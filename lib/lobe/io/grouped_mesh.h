@@ -13,8 +13,8 @@ struct Groups {
   bool empty() const { return surfaces.empty() && label_names.empty(); }
 };
 
-// The same surface on a refinement: four triangles for each whose edges are edges of the old mesh. Others are
-// left out.
+// Returns a surface on a refinement: four triangles for each whose edges are edges of the old mesh; others
+// are left out.
 std::vector<std::array<Index, 3>> refined_triangles(const std::vector<std::array<Index, 3>>& triangles,
                                                     const TetMesh& old, const RefinedMesh& fine);
 

@@ -39,7 +39,7 @@ struct MeshFile {
   std::vector<std::string> notes;  // one line each: what was taken for labels, what was left out
   Index ignored_cells = 0;
   std::vector<SurfaceGroup> surfaces;        // by label (VTK), physical surface (Gmsh) or reference (MEDIT)
-  std::map<int, std::string> label_names{};  // of physical volumes (Gmsh) or of field data (VTU)
+  std::map<int, std::string> label_names{};  // by physical volumes (Gmsh) or field data (VTU)
   std::vector<BodyLabelName> body_label_names{};      // the same names by body, in a mesh of several files
   std::map<std::string, Eigen::MatrixXd> point_data;  // #components × #vertices (VTU only)
   std::map<std::string, Eigen::MatrixXd> cell_data;  // #components × #tetrahedra (VTU only), without "label"

@@ -60,6 +60,6 @@ struct Lattice {
 // tetrahedra, or larger than half of the regions.
 LatticeFrame choose_lattice(const Elements& elements, double edge);
 
-Lattice make_lattice(const Elements& elements, const LatticeFrame& frame);  // of the tetrahedra that are left
+Lattice make_lattice(const Elements& elements, const LatticeFrame& frame);  // of all tetrahedra left
 
 }  // namespace lobe

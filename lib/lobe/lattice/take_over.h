@@ -1,6 +1,6 @@
 // A change of what a lattice moves: its nodes take over vertices that become embedded, and give back those
-// that do not stay so. Linear and angular momentum are kept, energy is not: of velocities, what the lattice
-// cannot follow is lost; of displacements, it fades (fading.h).
+// that do not stay so. Linear and angular momentum are kept, energy is not: the part of velocities that the
+// lattice cannot follow is lost; that of displacements fades (fading.h).
 #pragma once
 
 #include "lobe/body/model.h"
@@ -9,13 +9,13 @@
 
 namespace lobe {
 
-// Adds mass, position and velocity of nodes to `sum`: of those with a flag in `which`, or of all if it is
-// null. node_mass: per node [kg]. nodes: displacements [m] and velocities [m/s], 3 × #nodes.
+// Adds mass, position and velocity of the nodes with a flag in `which`, or of all nodes if it is null, to
+// `sum`. node_mass: per node [kg]. nodes: displacements [m] and velocities [m/s], 3 × #nodes.
 template <class Real>
 void add_nodes(const Lattice& lattice, const std::vector<double>& node_mass, const Nodes<Real>& nodes,
                const std::vector<std::uint8_t>* which, MovingMasses& sum);
 
-// The values of a lattice for a new one: nodes take those of former ones at the same corner.
+// Values for the nodes of a new lattice: those of the former node at the same corner.
 template <class Real>
 Nodes<Real> values_of(const Lattice& fresh, const Lattice& former, const Nodes<Real>& nodes);
 

@@ -50,7 +50,7 @@ class ZoneMass {
   double asked(Index v) const { return v < static_cast<Index>(asked_.size()) ? asked_[std::size_t(v)] : 0; }
   const std::vector<double>& asked() const { return asked_; }  // part of a checkpoint
   void set_asked(const std::vector<double>& asked) { asked_ = asked; }
-  // Raises masses of those of the vertices that are not embedded [kg].
+  // Raises the masses of these vertices where they are not embedded [kg].
   void raise(const Embedding& embedding, double omega, const std::vector<Index>& vertices,
              std::vector<double>& mass);
   // Adds the mass that was added, in motion. `counts(vertex)`.

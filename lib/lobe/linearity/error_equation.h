@@ -19,13 +19,13 @@ class ErrorEquation {
   // The grid of the same mesh after cuts, prepared for a step as long as the last. It may be made in another
   // thread.
   std::function<TwoGrid(const Elements& elements, double edge, const HeldVertices& held)> grid_maker() const;
-  // Takes a grid. Vertices that are new have the error of those that they are copies of.
+  // Takes a grid. New vertices have the error of the vertices that they are copies of.
   void use(TwoGrid grid, const Topology& topology);
   void restart();  // begins again with an error of 0
 
   // One step of h [s], to where r acts. What is held keeps its error.
   void step(const TwoGrid::Product& product, const HeldVertices& held, const Mat3X<double>& r, double h);
-  // Adds to the error what was lost at once. 3 × #vertices; those that the grid does not know are left out.
+  // Adds a sudden loss to the error: 3 × #vertices. Vertices that the grid does not know are left out.
   void add(const Mat3X<double>& e);
   const Mat3X<double>& error() const { return e_; }  // [m]
   double norm() const;                               // √Σ m |e|² [√kg m]

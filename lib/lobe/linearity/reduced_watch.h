@@ -34,7 +34,7 @@ class ReducedWatch {
   using Report = ReducedReport;
   static constexpr int frames_between = 2;  // frames between two estimates
 
-  // Of a world that has no reduced region then, every error is 0, and nothing is computed.
+  // If the world has no reduced region then, every error is 0, and nothing is computed.
   ReducedWatch(const World<Real>& world, ReducedOptions options);
 
   // Call it at the start, and after each frame. An estimate costs four evaluations of all tetrahedra and a

@@ -29,7 +29,7 @@ class TwoGrid {
 
   void clear_held(Mat3X<double>& x) const;  // makes its held components zero
 
-  Index vertex_count() const { return static_cast<Index>(mass_.size()); }  // of its mesh
+  Index vertex_count() const { return static_cast<Index>(mass_.size()); }  // in its mesh
   const std::vector<double>& mass() const { return mass_; }                // per vertex [kg]
 
  private:

@@ -21,7 +21,7 @@ class DenseProducts {
       : kernels_(dense_kernels<double>(set)) {}
 
   void add(double sign, const Factor& A, const Factor& B, Eigen::Ref<Matrix> C);  // C += sign A B
-  // The same product where it and C are symmetric. Half of it is computed and copied to the other half.
+  // C += sign A B where A B and C are symmetric. Half of it is computed, and copied to the other half.
   void add_symmetric(double sign, const Factor& A, const Factor& B, Eigen::Ref<Matrix> C);
   Matrix product(const Factor& A, const Factor& B);
 

@@ -91,8 +91,8 @@ struct MoveSprings {
   static constexpr auto fields = std::tuple(&MoveSprings::points);
 };
 
-// ---- Thread (forces/threads.h). An application chooses its number; those of a scene are 0, 1, 2 … in the
-// order of the scene's stitches.
+// ---- Thread (forces/threads.h). An application chooses its number; threads of a scene have 0, 1, 2 … in
+// the order of its stitches.
 
 struct BringThread {
   int thread = 0;  // number ≥ 0 that no thread has

@@ -41,7 +41,7 @@ enum class Phase { forces, integration, time_step, cutting };
 inline constexpr int phase_count = 4;
 inline constexpr const char* phase_names[phase_count] = {"forces", "integration", "time_step", "cutting"};
 
-// How often vertices of reduced regions were embedded or became full, and by what that changed energies:
+// How often vertices of reduced regions were embedded or became full, and the energy that this added:
 // velocities that a lattice cannot follow are lost, and full tetrahedra count in place of cells (theory,
 // section 18).
 struct Transitions {

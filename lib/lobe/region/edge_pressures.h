@@ -33,7 +33,7 @@ class EdgePressures {
   double lambda(Index node) const { return lambda_[node]; }  // χλ [Pa]
   const std::array<Index, 2>& of(Index edge) const {
     return nodes_[edge];
-  }  // of both ends; `none` if it takes no part
+  }  // the nodes of both ends; `none` if the edge takes no part
 
   // Computes p_n [Pa] from V_e θ_e [m³] of each domain; `pressure` has count() entries.
   template <class Real>

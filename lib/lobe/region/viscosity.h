@@ -1,6 +1,6 @@
 // The strains of dashpots (fem/prony.h) of the tetrahedra or smoothing domains of patches: A of each term,
-// beside the blocks of those patches whose material has a Prony series. What enters with a history keeps it;
-// what enters without one is at rest in its present strain, and its branches carry nothing.
+// beside the blocks of patches whose material has a Prony series. A tetrahedron that enters with a history
+// keeps it; one without is at rest in its present strain, and its branches carry nothing.
 #pragma once
 
 #include <array>
@@ -41,7 +41,7 @@ class Viscosity {
     }
     find_factors();
   }
-  bool any() const { return any_; }  // of any material
+  bool any() const { return any_; }  // whether any material is viscous
   int terms(std::uint16_t material) const { return static_cast<int>(branches_[material].size()); }
 
   void set_step(const ViscousStep& step) {
@@ -55,7 +55,7 @@ class Viscosity {
   bool has(Index patch) const {
     return std::size_t(patch) < patches_.size() && patches_[std::size_t(patch)].terms > 0;
   }
-  Strains strains(Index patch, Index item) const;  // of the item in this lane of the patch
+  Strains strains(Index patch, Index item) const;  // for the item in this lane of the patch
   void set(Index patch, Index item, const Strains& strains);
   void set(Index patch, Index item, const Mat3<double>& E);              // at rest in this strain
   void save(Index patch, Index item, std::vector<Real>& strains) const;  // appends those of the item

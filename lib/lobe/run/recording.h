@@ -30,8 +30,8 @@ void visit_to_the_end(const Recording& recording,
 template <class Real>
 std::uint64_t digest(World<Real>& world);
 
-// Frames whose digest is noted. all: each frame. some: of frames between which there are only poses of tools,
-// the 1st, 2nd, 4th … and each 16th; of frames with nothing between them, each 1024th. A replay
+// Frames whose digest is noted. all: each frame. some: in a run of frames with nothing but poses of tools in
+// between, the 1st, 2nd, 4th … and each 16th; in one with nothing in between, each 1024th. A replay
 // compares where a digest is noted.
 enum class NotedFrames { all, some };
 

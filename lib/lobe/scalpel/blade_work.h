@@ -59,7 +59,7 @@ class BladeWork {
   void forget(const std::vector<Index>& removed) {
     if (blades_) blades_->grains.forget(removed);
   }
-  // Of a vertex and its copy only one that lies in the tissue stays held. The other is only a corner of
+  // Where a vertex is split, only the copies that lie in tissue stay held. Others are only corners of
   // tetrahedra whose part lies elsewhere.
   void hold_what_is_filled(const MeshEdit& edit, Model& model) const;
   // Divides the load on a face among its parts.
@@ -70,7 +70,7 @@ class BladeWork {
   Blades::State state() const { return blades_ ? blades_->state() : Blades::State{}; }
   void set_state(const Blades::State& state) {
     if (blades_) blades_->set_state(state);
-    told_ = {};  // it may have been of other tools
+    told_ = {};  // it may have told of other tools
   }
 
  private:

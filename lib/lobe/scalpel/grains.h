@@ -109,7 +109,7 @@ class Grains {
 
   // ---- Edits
 
-  // Whether these can be edges and faces of the present grains; a check of what was read from a file.
+  // Whether the present grains can have these edges, or faces: checks what was read from a file.
   bool can_bisect(const std::vector<Incision::Bisection>& edges) const;
   bool can_open(const std::vector<Index>& faces) const;
 
@@ -144,8 +144,8 @@ class Grains {
   std::vector<std::vector<Index>> parts_around(Index point);
 
   std::vector<Grain> grains_;
-  // The same face of each face's neighbour, 4 × grain + face; −1: there is none; below: −2 − the stroke
-  // that has opened it.
+  // The other side of each face, 4 × grain + face of the neighbour; −1: there is none; below: −2 − the stroke
+  // that has opened the face.
   std::vector<std::array<Index, 4>> other_sides_;
   std::vector<Vec3d> points_;
   std::vector<double> shortest_;

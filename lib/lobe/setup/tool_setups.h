@@ -4,8 +4,8 @@
 //   type               its name in scenes
 //   name, path
 //   check(expect)      what must hold
-//   needs_force_term() whether the tool acts by a force term (Option::force_terms); of kinds of which some do
-//   any_partly()       whether it holds vertices by shares (Option::partly_held); of kinds of which some do
+//   needs_force_term() whether the tool acts by a force term (Option::force_terms); only in kinds that may
+//   any_partly()       whether it holds vertices by shares (Option::partly_held); only in kinds that may
 //   fields             what decides how it moves: all but the name
 #pragma once
 

@@ -18,7 +18,7 @@ struct SkinState {
   std::vector<Eigen::Vector4i> carrier_corners;  // vertices of the mesh
   VertexLists<Index> carried_by;                 // vertices on each tetrahedron of the start
 
-  // What is shown. Numbers of triangles are those of the file, one of no area, then those of parts.
+  // What is shown. Triangles are numbered as in the file; then comes one without area, then the cut parts.
   std::vector<Eigen::Vector3i> shown;  // corners of SkinMesh::triangles: carried vertices, then cut vertices
   std::vector<Index> slot_of;          // place there of each number; −1: it is not shown
   std::vector<Index> number_of;        // number of each slot

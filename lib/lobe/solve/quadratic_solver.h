@@ -12,7 +12,7 @@ namespace lobe {
 // an edge whose ends are given moves with them. Gravity and tractions are integrated with the functions of
 // the nodes. Forces on vertices act there.
 StaticEquations quadratic_equations(const Setup& setup, const QuadraticMesh& mesh);
-// The equations with these nodes given in place of those of the setup; `vertex` is the number of a node.
+// The equations with these nodes prescribed in place of the setup's; `vertex` is the number of a node.
 StaticEquations quadratic_equations(const Setup& setup, const QuadraticMesh& mesh,
                                     const std::vector<PrescribedVertex>& given);
 

@@ -71,7 +71,7 @@ class Tangent {
   // Adds growing multiples of its diagonal to a tangent that is not positive definite until it is, and sets
   // `damped`.
   bool factorise(SparseFactor& factor, bool& damped);
-  Eigen::VectorXd solve(const SparseFactor& factor, const Eigen::VectorXd& forces) const;  // of unknowns
+  Eigen::VectorXd solve(const SparseFactor& factor, const Eigen::VectorXd& forces) const;  // at the unknowns
   // Solves for the forces minus those of a displacement w of given components: 3 × #vertices [m].
   Eigen::VectorXd solve(const SparseFactor& factor, const Eigen::VectorXd& forces, const Mat3X<double>& u,
                         const Mat3X<double>& w) const;

@@ -63,7 +63,7 @@ struct Dynamics {
   // Advances velocities and displacements by dt [s] with the forces of the last evaluation, which it
   // overwrites. Forces act for the time `kick`: half of the last step and half of this one.
   void push(double kick, double dt);
-  void end_step();  // of central differences: call it when motion.speeds are known
+  void end_step();  // ends a step of central differences, once motion.speeds are known
   // Restores the held components of vertices that slide: free in some components, held in others.
   void restore_held_components();
   // Brings velocities up to the time of the displacements, before an edit makes the forces jump. The forces

@@ -60,7 +60,7 @@ class Inertia {
   int degree() const { return degree_; }                  // degree that was asked for
   int degree_now() const { return selective_.degree(); }  // 1 while masses are lumped for a while
   std::vector<int> degrees() const;                       // degrees that can be used; the last is the setup's
-  void check_degree(int degree) const;                    // throws InputError for a degree that there is not
+  void check_degree(int degree) const;                    // throws InputError if there is no such degree
   void ask_for(int degree) { degree_ = degree; }
   void use(int degree) { selective_.set_degree(degree); }
   // Adds vertices around which the couplings must be updated after an edit.

@@ -27,7 +27,7 @@ struct ClipApplier {
   ToolId id = 0;
   std::string name;
   ClipShape clip;
-  GrowingPath closed;  // times and places of the clips closed; for one of a scene, of those to close
+  GrowingPath closed;  // times and places of closed clips; for an applier of a scene, of clips to close
   bool is_live = false;
   bool is_shut = false;                 // whether a live one is shut
   bool is_closing = false;              // whether a clip closes when the next frame begins

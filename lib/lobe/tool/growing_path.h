@@ -24,8 +24,8 @@ class GrowingPath {
   std::size_t size() const;
   const PathPoint& front() const;
   const PathPoint& back() const { return recent().back(); }
-  // The end of the path, for path_at() and its like: at least the last `few` rows that were added, and all
-  // rows of a path that has not grown; of one that is settled, at least the last two. Valid until the path
+  // The end of the path, for path_at() and its like: at least the last `few` rows that were added; all rows
+  // if the path has not grown; at least the last two if it is settled. Valid until the path
   // changes.
   const Rows& recent() const { return settled_ ? *settled_ : recent_; }
   Rows all() const;  // O(rows)

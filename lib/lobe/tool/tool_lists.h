@@ -11,10 +11,10 @@
 //   begin_frame(time, end)          the path of a live one grows by what it is to do until then
 //   paths()                         what has been done so far, as tools of a setup
 //   add_work(from, to, work)        what it does to the body between two times
-//   append_bodies(from, to, bodies) the rigid bodies with which it touches it; only of kinds that have some
-//   force, torque                   on the body, of those that have some
-//   cut_by(work, way, tip)          adds what its blade has cut in a step; of those that have one, whose
-//                                   `pose` is that of the blade
+//   append_bodies(from, to, bodies) the rigid bodies with which it touches the body; only in kinds with some
+//   force, torque                   on the body; only in kinds with some
+//   cut_by(work, way, tip)          adds what its blade has cut in a step; only in kinds with a blade, whose
+//                                   pose is `pose`
 //   placed(time, held)              where it is; none: nowhere
 //   fits(vertex_count)              whether it can be one that was kept, with so many vertices now
 #pragma once

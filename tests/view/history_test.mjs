@@ -46,6 +46,17 @@ test('where it did not go back far enough, it is asked again', () => {
   assert.deepEqual([asked.length, history.acts.length, history.wanted], [2, 0, null]);
 });
 
+// Other states may have been kept since the act.
+test('where nothing was heard for long an act is undone from before that', () => {
+  const asked = [],
+    history = new History({append() {}, clientWidth: 100}, seconds => asked.push(seconds));
+  history.take(6, 4);
+  history.begin('stitch', 5);
+  history.take(6.7, 5);
+  history.undo();
+  assert.ok(Math.abs(asked[0] - 0.7) < 1e-9);
+});
+
 test('an act that was not heard of yet is undone from before it was asked for', () => {
   const asked = [],
     history = new History({append() {}, clientWidth: 100}, seconds => asked.push(seconds));

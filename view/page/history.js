@@ -10,7 +10,9 @@ const words = {
   clip: 'Clip',
   stitch: 'Stitch',
 };
-const margin = 0.1; // the simulation is ahead of what the page has heard, by about that [s]
+const margin = 0.1, // the simulation is ahead of what the page has heard, by about that [s]
+  apart = 0.4, // within that after an act there is no other state to go back to [s]
+  isAtOnce = kind => kind === 'stitch'; // done in the moment in which it begins
 
 export class History {
   /** @param {HTMLElement} bar @param {(seconds: number) => void} goBack by so much simulated time */
@@ -62,11 +64,17 @@ export class History {
    *  @param {{number: number, times: number, text: string}} [back] its last message that it went back, which
    *   tells where to, while it has gone on since */
   take(time, seen = 0, back = undefined) {
-    const landed = this.landing(time, back);
+    const landed = this.landing(time, back),
+      before = this.time;
     this.time = time;
-    // By then an act that was asked for has begun, a moment ago.
+    // By then an act that was asked for has begun, a moment ago. If nothing was heard for long, other states
+    // were kept since; what is done at once is then undone from before the silence.
     for (const act of this.acts)
-      if (!act.hasBegun && seen >= act.number && time >= act.time) Object.assign(act, {time, hasBegun: true});
+      if (!act.hasBegun && seen >= act.number && time >= act.time)
+        Object.assign(act, {
+          time: isAtOnce(act.kind) && time > before + apart ? Math.max(act.time, before) : time,
+          hasBegun: true,
+        });
     if (landed === null) return;
     this.forget(Math.min(landed, this.wanted ?? landed));
     // It was further ahead than thought. A message has four digits.

@@ -6,7 +6,7 @@ const of = organ => ({
   probe: {word: 'Tip', what: 'Radius of the tip that presses', size: 0.01 * organ},
   jaws: {word: 'Opening', what: 'How far the jaws are apart', size: 0.1 * organ},
   hook: {word: 'Wire', what: 'Length of the wire of the hook', size: 0.05 * organ},
-  stitch: {word: 'Depth', what: 'How deep below the surface the thread goes', size: 0.035 * organ},
+  stitch: {word: 'Depth', what: 'How deep below the surface the thread goes', size: 0.005 * organ},
   clip: {word: 'Clip', what: 'How wide a clip opens at most', size: 0.08 * organ},
 });
 const usual = 0.135, // radius of an organ for which these are [m]

@@ -68,11 +68,11 @@ MEASURES = {  # table: folders and files whose code decides its figures
 OTHER_PROGRAMS = {"peers"}  # dated on the pages; lobe's code does not change them
 
 KNOWN_TO_BE_OLD = {
-    "accuracy", "accuracy_undeclared", "contact", "cut", "elements", "features", "frames", "frequencies",
+    "accuracy", "accuracy_undeclared", "frequencies",
     "gestures", "haptic", "haptic_loop", "huge", "hybrid", "kernels", "live",
-    "meshing/fuzz", "meshing/quality", "page", "palpation", "realtime", "reduced", "reduced_setup",
-    "resting", "scalpel", "scalpel_beam", "scalpel_beam_order", "scalpel_limit", "scalpel_precomputed",
-    "skin", "soak_sessions", "stress", "surface", "validation"}
+    "meshing/fuzz", "meshing/quality", "page", "palpation", "reduced", "reduced_setup",
+    "scalpel", "scalpel_beam", "scalpel_beam_order", "scalpel_limit", "scalpel_precomputed",
+    "soak_sessions", "stress"}
 
 CODE = {".h", ".cpp", ".c", ".mjs", ".js"}
 COMMENT_OR_TEXT = re.compile(r"//[^\n]*|/\*.*?\*/|\"(?:\\.|[^\"\\\n])*\"|'(?:\\.|[^'\\\n])'", re.S)

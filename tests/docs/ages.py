@@ -69,7 +69,7 @@ OTHER_PROGRAMS = {"peers"}  # dated on the pages; lobe's code does not change th
 
 KNOWN_TO_BE_OLD = {
     "accuracy", "accuracy_undeclared", "frequencies",
-    "gestures", "haptic", "haptic_loop", "huge", "hybrid", "kernels", "live",
+    "gestures", "haptic", "haptic_loop", "huge", "hybrid", "live",
     "meshing/fuzz", "meshing/quality", "page", "palpation", "reduced", "reduced_setup",
     "scalpel", "scalpel_beam", "scalpel_beam_order", "scalpel_limit", "scalpel_precomputed",
     "soak_sessions", "stress"}

@@ -3,8 +3,8 @@
     PYTHONPATH=build/python /usr/bin/python3 examples/python/01_gesture.py
     lifted by 20 mm: 2.97 N, the body has moved by up to 20.2 mm
 
-Its tetrahedra are edge-smoothed, as in every scene that names no element. With "element": "tetrahedron" in the
-material they are plain, as in examples/05_instrument.cpp, and too stiff: 3.52 N.
+Its tetrahedra are edge-smoothed, as in every scene that names no element. With "element": "tetrahedron" in
+the material they are plain, as in examples/05_instrument.cpp, and too stiff: 3.52 N.
 """
 
 import pathlib

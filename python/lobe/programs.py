@@ -109,10 +109,15 @@ def fit(scene, data, *, parameters=("young_modulus",)):
     """Finds parameters of materials and attachments from measurements, as `lobe fit` does.
 
     scene: a Scene or a file; or a list of them, one for each load. data: for each scene a file (.csv), or a
-    list of dicts with the keys quantity ("displacement", "force", "frequency"), at (the point at rest [m], the
-    number of the entry of "boundary" or the name of a tool, the number of the frequency), component ("x", "y",
-    "z", "length"), value, unit, if known sigma, and in motion time [s]. parameters: their names,
-    "liver.young_modulus" where there are several materials.
+    list of dicts with these keys:
+
+    - quantity: "displacement", "force" or "frequency";
+    - at: the point at rest [m]; the number of the entry of "boundary" or the name of a tool; the number of
+      the frequency;
+    - component: "x", "y", "z" or "length";
+    - value, unit, if known sigma, and in motion time [s].
+
+    parameters: their names, "liver.young_modulus" where there are several materials.
 
     Returns the dict that `lobe fit --json` prints: "ok", "parameters" (each with "name", "start", "value", "low",
     "high", "identifiable"), "misfit", "notes" and others.

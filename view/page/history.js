@@ -1,18 +1,17 @@
 // What the hands did, as marks on a bar of the simulated time, and the way back to before each of them. The
 // simulation keeps the state in which each act began, and one every half second.
-const words = {
-  grasp: 'Pull',
-  cautery: 'Burn',
-  scalpel: 'Cut',
-  probe: 'Press',
-  jaws: 'Grip',
-  hook: 'Hook',
-  clip: 'Clip',
-  stitch: 'Stitch',
+const acts = {
+  grasp: {word: 'Pull'},
+  cautery: {word: 'Burn'},
+  scalpel: {word: 'Cut'},
+  probe: {word: 'Press'},
+  jaws: {word: 'Grip'},
+  hook: {word: 'Hook'},
+  clip: {word: 'Clip'},
+  stitch: {word: 'Stitch', isAtOnce: true}, // done in the moment in which it begins
 };
 const margin = 0.1, // the simulation is ahead of what the page has heard, by about that [s]
-  apart = 0.4, // within that after an act there is no other state to go back to [s]
-  isAtOnce = kind => kind === 'stitch'; // done in the moment in which it begins
+  apart = 0.4; // within that after an act there is no other state to go back to [s]
 
 export class History {
   /** @param {HTMLElement} bar @param {(seconds: number) => void} goBack by so much simulated time */
@@ -32,10 +31,10 @@ export class History {
 
   /** A hand has begun something. @param {number} number of the request that it makes */
   begin(kind, number) {
-    if (!(kind in words)) return;
+    if (!(kind in acts)) return;
     const mark = document.createElement('button'),
       act = {kind, time: this.time, mark, number},
-      what = `${words[kind]} at ${this.time.toFixed(1)} s: go back to before it`;
+      what = `${acts[kind].word} at ${this.time.toFixed(1)} s: go back to before it`;
     Object.assign(mark, {className: kind, title: what, ariaLabel: what, onclick: () => this.before(act)});
     this.acts.push(act);
     this.bar.append(mark);
@@ -72,7 +71,7 @@ export class History {
     for (const act of this.acts)
       if (!act.hasBegun && seen >= act.number && time >= act.time)
         Object.assign(act, {
-          time: isAtOnce(act.kind) && time > before + apart ? Math.max(act.time, before) : time,
+          time: acts[act.kind].isAtOnce && time > before + apart ? Math.max(act.time, before) : time,
           hasBegun: true,
         });
     if (landed === null) return;

@@ -19,13 +19,20 @@ export function showHelp() {
     ['Jaws', 'one above the other, as you look: close where they come to rest, grip until you let go'],
     ['Hook', 'begin beside an edge: what lies on its wire is lifted; D, or the right button too, burns while it is pressed'],
     ['Clip', 'closes when you let go, and stays; Esc takes the applier away before that'],
-    ['Stitch', 'click in and click out, as often as you like; drag, or turn the wheel then, to draw the thread up; double click ties the first place to the last; Shift and a click cuts a thread'],
+    [
+      'Stitch',
+      'click in and click out, as often as you like; drag, or turn the wheel then, to draw the thread up; ' +
+        'double click ties the first place to the last; Shift and a click cuts a thread',
+    ],
     ['Shift while letting go, or H', 'this instrument stays where it is: take a second one; drag it later'],
     ['Two fingers', 'on the organ: two instruments; beside it: zoom and shift the camera'],
     ['Double click, or Esc', 'all instruments let go; with needle and thread only Esc does'],
     ['Right drag · wheel · middle drag', 'turn · zoom · shift the camera'],
     ['Arrows · + − · Shift with arrows', 'the same by keys; Home: from the front, all of the organ'],
-    ['G · C · X · P · J · U · A · N · E', 'grasp · cautery · scalpel · probe · jaws · hook · clip · stitch · parts of the organ'],
+    [
+      'G · C · X · P · J · U · A · N · E',
+      'grasp · cautery · scalpel · probe · jaws · hook · clip · stitch · parts of the organ',
+    ],
     ['T, then left drag', 'measure a distance; Esc takes the tape away'],
     ['Y', 'a hand by keys: arrows move it (with Shift faster), Enter takes hold and lets go, Page up and down are the wheel'],
     ['[ · ]', 'smaller · larger instrument; for the scalpel: the depth at which it begins'],

@@ -55,7 +55,8 @@ function ofObj(/** @type {string} */ text) {
   for (const line of text.replace(/\\\r?\n/g, ' ').split('\n')) {
     const [kind, ...words] = line.trim().split(/\s+/);
     if (kind === 'v') points.push(words.slice(0, 3).map(Number));
-    if (kind === 'f') polygons.push(words.map(word => Number.parseInt(word, 10)).map(v => (v < 0 ? points.length + v : v - 1)));
+    const numbers = () => words.map(word => Number.parseInt(word, 10)); // from 1; below 0 from the end
+    if (kind === 'f') polygons.push(numbers().map(v => (v < 0 ? points.length + v : v - 1)));
   }
   return ofPolygons(points, polygons);
 }
@@ -66,7 +67,8 @@ function ofOff(/** @type {string} */ text) {
     points = [],
     polygons = [];
   let at = 4;
-  for (let i = 0; i < count && at < words.length; ++i, at += 3) points.push(words.slice(at, at + 3).map(Number));
+  for (let i = 0; i < count && at < words.length; ++i, at += 3)
+    points.push(words.slice(at, at + 3).map(Number));
   for (let i = 0; i < faces && at < words.length; ++i) {
     const corners = Number(words[at]);
     polygons.push(words.slice(at + 1, at + 1 + corners).map(Number));

@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
-#include "lobe/sim/world.h"
+#include "lobe/live/sewing.h"
 
 namespace lobe::view {
 
@@ -17,9 +17,7 @@ class ThreadFeed {
   void update(const World<Real>& world) {
     const Threads<Real>* threads = term_of<Threads>(world.body().terms);
     const std::lock_guard lock(mutex_);
-    threads_.clear();
-    if (!threads) return;
-    threads_ = threads->all();
+    threads_ = threads ? threads->all() : std::vector<Thread>();
   }
 
   // ---- Any thread
@@ -41,14 +39,13 @@ class ThreadFeed {
         knots.push_back({bites[std::size_t(knot.from)], bites[std::size_t(knot.to)]});
       const bool is_cut = std::any_of(thread.spans.begin(), thread.spans.end(),
                                       [](const ThreadSpan& span) { return span.is_cut; });
-      const double pull = thread.hand.tail.tension + (thread.knots.empty() ? thread.hand.head.tension : 0);
       list.push_back({{"thread", thread.number},
                       {"sewn", thread.is_sewn},
                       {"bites", bites},
                       {"knots", knots},
                       {"cut", is_cut},
                       {"held", thread.hand.holds},
-                      {"pull", thread.hand.holds ? pull : 0.0}});
+                      {"pull", hand_pull(thread)}});
     }
     return list;
   }

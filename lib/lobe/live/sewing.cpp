@@ -34,11 +34,6 @@ const Thread* thread_of(World<Real>& world, int number) {
   return at == threads->all().end() ? nullptr : &*at;
 }
 
-// What the ends in the hand pull with [N]. Behind a knot there is one.
-double pull_of(const Thread& thread) {
-  return thread.hand.tail.tension + (thread.knots.empty() ? thread.hand.head.tension : 0);
-}
-
 // The least distance between a ray and a segment [m].
 double distance_to_ray(const Vec3d& a, const Vec3d& b, const Vec3d& origin, const Vec3d& along) {
   const auto from_ray = [&](const Vec3d& x) { return Vec3d(x - origin - along.dot(x - origin) * along); };
@@ -106,6 +101,12 @@ ThreadPart thread_near(World<Real>& world, const Vec3d& origin, const Vec3d& dir
       look(std::size_t(knot.from), std::size_t(knot.to), std::size_t(knot.to) - 1);
   }
   return nearest;
+}
+
+// Behind a knot there is one end.
+double hand_pull(const Thread& thread) {
+  if (!thread.hand.holds) return 0;
+  return thread.hand.tail.tension + (thread.knots.empty() ? thread.hand.head.tension : 0);
 }
 
 // ---- Any thread
@@ -260,7 +261,7 @@ void Sewing<Real>::before_frame(Hands<Real>&, World<Real>& world, double duratio
       --pulled.waits;
     else
       pulled.is_tied = false;  // that was refused
-    pulled.last = std::exchange(pulled.tension, holds ? pull_of(*thread) : 0);
+    pulled.last = std::exchange(pulled.tension, thread ? hand_pull(*thread) : 0);
     return false;
   });
   for (Pulled& pulled : pulled_)
@@ -299,7 +300,7 @@ void Sewing<Real>::after_frame(Hands<Real>& hands, World<Real>& world, double) {
   std::erase_if(pulled_, [&](const Pulled& pulled) {
     const Thread* thread = thread_of(world, pulled.thread);
     if (!thread || !thread->hand.holds || pulled.is_tied) return false;
-    const double force = pull_of(*thread);
+    const double force = hand_pull(*thread);
     if (force <= limits_.force_cap || !send(Pull{pulled.thread, false})) return false;
     hands.say("slipped", "thread " + std::to_string(pulled.thread) +
                              " slipped out of the hand, pulled with " + rounded(force) + " N, more than " +

@@ -38,6 +38,9 @@ struct ThreadPart {
 template <class Real>
 ThreadPart thread_near(World<Real>& world, const Vec3d& origin, const Vec3d& direction, double within);
 
+// What a hand pulls the ends of a thread with [N]; 0 if no hand has them.
+double hand_pull(const Thread& thread);
+
 // What a hand does that sews, in either precision. Any thread may call it. What the hand shows is looked for
 // between two frames, and InputError says what is wrong with it; what then cannot be done with a thread, such
 // as to tie one that is cut, is a message `refused`. Each returns false if the queue of commands is full.

@@ -307,6 +307,13 @@ std::vector<TermLines> Attachments<Real>::lines(const At& at) const {
   return all;
 }
 
+template <class Real>
+NewTerm<Real> AttachmentSetup::make_term(const Setup& setup) {
+  return std::make_shared<Attachments<Real>>(setup);
+}
+template NewTerm<float> AttachmentSetup::make_term(const Setup&);
+template NewTerm<double> AttachmentSetup::make_term(const Setup&);
+
 template class Attachments<float>;
 template class Attachments<double>;
 

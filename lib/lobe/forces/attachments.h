@@ -57,7 +57,7 @@ class Attachments : public ForceTerm<Real> {
 
   // ---- ForceTerm
 
-  static constexpr const char* term_name = "attachments";
+  static constexpr const char* term_name = AttachmentSetup::term;
   std::string name() const override { return term_name; }
   bool needs_body() const override { return true; }
   void add_forces(const At& at, Mat3X<Real>& f) override;
@@ -72,6 +72,7 @@ class Attachments : public ForceTerm<Real> {
   void sever(const SweptVolume& volume, const At& at) override;
   std::vector<Event> take_events() override;
   std::vector<TermLines> lines(const At& at) const override;
+  void add_to_setup(const Elements&, const CompactMesh& left, Setup& setup) const override;
   std::string save() const override;
   void load(const std::string& saved, Index vertices) override;
 

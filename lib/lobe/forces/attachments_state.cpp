@@ -35,6 +35,15 @@ std::vector<AttachmentSetup> Attachments<Real>::as_setup() const {
   return all;
 }
 
+template <class Real>
+void Attachments<Real>::add_to_setup(const Elements&, const CompactMesh& left, Setup& setup) const {
+  setup.attachments = as_setup();
+  for (AttachmentSetup& attachment : setup.attachments)
+    for (StrandSetup& strand : attachment.strands)
+      for (EmbeddedPoint* end : {&strand.from, &strand.to})
+        if (end->tet >= 0) end->tet = left.tet_target[end->tet];
+}
+
 // One event for all strands of an attachment that tore in a frame. People are told of the first and the last.
 template <class Real>
 std::vector<Event> Attachments<Real>::take_events() {

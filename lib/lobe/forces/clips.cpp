@@ -190,6 +190,23 @@ std::vector<TermLines> Clips<Real>::lines(const At& at) const {
 }
 
 template <class Real>
+void Clips<Real>::add_to_setup(const Elements&, const CompactMesh& left, Setup& setup) const {
+  for (ClipSetup clip : state_.clips) {
+    if (clip.pairs.empty()) continue;
+    for (ClipSetup::Pair& pair : clip.pairs)
+      for (EmbeddedPoint* end : {&pair.from, &pair.to}) end->tet = left.tet_target[end->tet];
+    std::erase_if(clip.squeezed, [&](Index tet) { return left.tet_target[tet] < 0; });
+    for (Index& tet : clip.squeezed) tet = left.tet_target[tet];
+    setup.clips.push_back(std::move(clip));
+  }
+  for (CarrierSetup carrier : carriers_) {
+    std::erase_if(carrier.fed, [&](Index vertex) { return left.vertex_target[vertex] < 0; });
+    for (Index& vertex : carrier.fed) vertex = left.vertex_target[vertex];
+    if (!carrier.fed.empty()) setup.carriers.push_back(std::move(carrier));
+  }
+}
+
+template <class Real>
 std::string Clips<Real>::save() const {
   io::ByteWriter out;
   io::put(out, state_.clips);
@@ -212,6 +229,13 @@ void Clips<Real>::load(const std::string& saved, Index) {
   state_ = std::move(found);
   has_changed_ = true;
 }
+
+template <class Real>
+NewTerm<Real> ClipSetup::make_term(const Setup& setup) {
+  return std::make_shared<Clips<Real>>(setup);
+}
+template NewTerm<float> ClipSetup::make_term(const Setup&);
+template NewTerm<double> ClipSetup::make_term(const Setup&);
 
 template class Clips<float>;
 template class Clips<double>;

@@ -52,11 +52,10 @@ class Clips : public ForceTerm<Real> {
 
   std::vector<ClipFigures> figures(const At& at) const;
   std::vector<CarrierFigures> carriers() const;
-  const std::vector<ClipSetup>& as_setup() const { return state_.clips; }
 
   // ---- ForceTerm
 
-  static constexpr const char* term_name = "clips";
+  static constexpr const char* term_name = ClipSetup::term;
   std::string name() const override { return term_name; }
   bool needs_body() const override { return true; }
   void add_forces(const At& at, Mat3X<Real>& f) override;
@@ -68,6 +67,7 @@ class Clips : public ForceTerm<Real> {
   void follow_grains(const Elements& elements, const Grains& grains, const MeshEdit& edit) override;
   std::vector<Event> take_events() override;
   std::vector<TermLines> lines(const At& at) const override;
+  void add_to_setup(const Elements&, const CompactMesh& left, Setup& setup) const override;
   std::string save() const override;
   void load(const std::string& saved, Index vertices) override;
 

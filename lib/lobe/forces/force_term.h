@@ -20,6 +20,7 @@
 namespace lobe {
 
 class Grains;
+struct Setup;
 
 // The body as some force terms need it before the steps of a frame.
 struct BodyView {
@@ -81,6 +82,8 @@ class ForceTerm {
   virtual void sever(const SweptVolume&, const At&) {}
   virtual std::vector<Event> take_events() { return {}; }  // events since the last call
   virtual std::vector<TermLines> lines(const At&) const { return {}; }
+  // Adds what is left of it to the setup of the body that is left.
+  virtual void add_to_setup(const Elements&, const CompactMesh& /*left*/, Setup&) const {}
 
   // ---- For terms that act between the body and what is around it
 

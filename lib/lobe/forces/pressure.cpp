@@ -40,6 +40,13 @@ void Pressure<Real>::follow(const Topology& topology, const MeshEdit& edit) {
 }
 
 template <class Real>
+void Pressure<Real>::add_to_setup(const Elements&, const CompactMesh& left, Setup& setup) const {
+  for (const FacePressure& load : pressures_)
+    if (left.tet_target[load.tet] >= 0)
+      setup.pressures.push_back({left.tet_target[load.tet], load.face, load.pressure});
+}
+
+template <class Real>
 std::string Pressure<Real>::save() const {
   io::ByteWriter out;
   io::put(out, pressures_);

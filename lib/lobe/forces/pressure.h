@@ -16,13 +16,12 @@ class Pressure : public ForceTerm<Real> {
 
   explicit Pressure(const Setup& setup) : pressures_(setup.pressures), ramp_(setup.load_ramp) {}
 
-  const std::vector<FacePressure>& faces() const { return pressures_; }  // those that are left, and copies
-
   static constexpr const char* term_name = "pressure";
   std::string name() const override { return term_name; }
   void add_forces(const At& at, Mat3X<Real>& f) override;
   std::vector<Index> acts_on(const Model& model) const override;
   void follow(const Topology& topology, const MeshEdit& edit) override;
+  void add_to_setup(const Elements&, const CompactMesh& left, Setup& setup) const override;
   std::string save() const override;
   void load(const std::string& saved, Index vertices) override;
 

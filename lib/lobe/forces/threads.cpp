@@ -372,6 +372,13 @@ void Threads<Real>::follow_grains(const Elements& elements, const Grains& grains
     for (ThreadBite& bite : thread.bites) follow_division(bite.point, elements, grains, edit);
 }
 
+template <class Real>
+NewTerm<Real> StitchSetup::make_term(const Setup& setup) {
+  return std::make_shared<Threads<Real>>(setup);
+}
+template NewTerm<float> StitchSetup::make_term(const Setup&);
+template NewTerm<double> StitchSetup::make_term(const Setup&);
+
 template class Threads<float>;
 template class Threads<double>;
 

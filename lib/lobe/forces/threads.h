@@ -50,11 +50,10 @@ class Threads : public ForceTerm<Real> {
   const std::vector<Thread>& all() const { return state_.threads; }
   const ThreadLedger& ledger() const { return state_.ledger; }
   std::vector<ThreadLine> drawn(const At& at) const;
-  std::vector<StitchSetup> stitches(const Elements& elements) const;  // stitches that give them again
 
   // ---- ForceTerm
 
-  static constexpr const char* term_name = "threads";
+  static constexpr const char* term_name = StitchSetup::term;
   std::string name() const override { return term_name; }
   bool needs_body() const override { return true; }
   void begin_frame(double time, double duration) override;
@@ -72,6 +71,7 @@ class Threads : public ForceTerm<Real> {
   void follow_grains(const Elements& elements, const Grains& grains, const MeshEdit& edit) override;
   std::vector<Event> take_events() override { return std::exchange(state_.events, {}); }
   std::vector<TermLines> lines(const At& at) const override;
+  void add_to_setup(const Elements& elements, const CompactMesh& left, Setup& setup) const override;
   std::string save() const override;
   void load(const std::string& saved, Index vertices) override;
 

@@ -31,19 +31,19 @@ void Threads<Real>::load(const std::string& saved, Index) {
   has_changed_ = is_arranged_ = is_solved_ = false;
 }
 
-// A knot has drawn its loop in by what it is shorter than at rest.
+// Stitches whose bites are all left. They are sewn anew, and a knot draws its loop in by what it is shorter
+// than at rest.
 template <class Real>
-std::vector<StitchSetup> Threads<Real>::stitches(const Elements& elements) const {
-  std::vector<StitchSetup> stitches;
+void Threads<Real>::add_to_setup(const Elements& elements, const CompactMesh& left, Setup& setup) const {
   for (const Thread& thread : state_.threads) {
     if (thread.bites.size() < 2) continue;
-    StitchSetup& stitch = stitches.emplace_back();
+    StitchSetup& stitch = setup.stitches.emplace_back();
     stitch.name = thread.name;
     stitch.material = thread.material;
     stitch.at = thread.at;
     std::vector<Vec3d> places;
     for (const ThreadBite& bite : thread.bites) {
-      stitch.bites.push_back(bite.point);
+      stitch.bites.push_back({left.tet_target[bite.point.tet], bite.point.weights});
       places.push_back(rest_position(bite.point, elements));
     }
     for (const ThreadKnot& knot : thread.knots) {
@@ -57,7 +57,6 @@ std::vector<StitchSetup> Threads<Real>::stitches(const Elements& elements) const
       if (const Index from = thread.find(plan.from), to = thread.find(plan.to); from >= 0 && to >= 0)
         stitch.ties.push_back({from, to, plan.at, plan.tighten, plan.over});
   }
-  return stitches;
 }
 
 // ---- Drawing

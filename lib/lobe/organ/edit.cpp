@@ -3,8 +3,6 @@
 #include <cmath>
 
 #include "lobe/error.h"
-#include "lobe/forces/pressure.h"
-#include "lobe/forces/threads.h"
 #include "lobe/organ/hinges.h"
 #include "lobe/organ/organ.h"
 
@@ -22,59 +20,6 @@ std::vector<FaceLoad> loads_of_parts(const std::vector<FaceLoad>& loads, const D
       if (topology.parent(t) == load.tet && c.tet_target[t] >= 0)
         found.push_back({c.tet_target[t], load.face, load.traction, now.weights(t, load)});
   return found;
-}
-
-// What presses on faces of tetrahedra that are left, and of their copies.
-template <class Real>
-std::vector<FacePressure> pressures_now(const Dynamics<Real>& body, const CompactMesh& c) {
-  std::vector<FacePressure> found;
-  if (const Pressure<Real>* pressure = term_of<Pressure>(body.terms))
-    for (const FacePressure& load : pressure->faces())
-      if (c.tet_target[load.tet] >= 0) found.push_back({c.tet_target[load.tet], load.face, load.pressure});
-  return found;
-}
-
-// Stitches whose bites are all left. They are sewn anew.
-template <class Real>
-std::vector<StitchSetup> stitches_now(const Dynamics<Real>& body, const CompactMesh& c) {
-  std::vector<StitchSetup> found;
-  if (const Threads<Real>* threads = term_of<Threads>(body.terms))
-    for (StitchSetup stitch : threads->stitches(body.model.elements)) {
-      for (EmbeddedPoint& bite : stitch.bites) bite.tet = c.tet_target[bite.tet];
-      found.push_back(std::move(stitch));
-    }
-  return found;
-}
-
-// Strands whose ends are left, as damaged as they are.
-template <class Real>
-std::vector<AttachmentSetup> attachments_now(const Dynamics<Real>& body, const CompactMesh& c) {
-  std::vector<AttachmentSetup> found;
-  if (const Attachments<Real>* present = term_of<Attachments>(body.terms)) found = present->as_setup();
-  for (AttachmentSetup& attachment : found)
-    for (StrandSetup& strand : attachment.strands)
-      for (EmbeddedPoint* end : {&strand.from, &strand.to})
-        if (end->tet >= 0) end->tet = c.tet_target[end->tet];
-  return found;
-}
-
-// Clips that are left, and bodies that carry something.
-template <class Real>
-void take_clips(const Dynamics<Real>& body, const CompactMesh& c, Setup& setup) {
-  setup.clips.clear();
-  if (const Clips<Real>* clips = term_of<Clips>(body.terms)) setup.clips = clips->as_setup();
-  std::erase_if(setup.clips, [](const ClipSetup& clip) { return clip.pairs.empty(); });
-  for (ClipSetup& clip : setup.clips) {
-    for (ClipSetup::Pair& pair : clip.pairs)
-      for (EmbeddedPoint* end : {&pair.from, &pair.to}) end->tet = c.tet_target[end->tet];
-    std::erase_if(clip.squeezed, [&](Index tet) { return c.tet_target[tet] < 0; });
-    for (Index& tet : clip.squeezed) tet = c.tet_target[tet];
-  }
-  for (CarrierSetup& carrier : setup.carriers) {
-    std::erase_if(carrier.fed, [&](Index vertex) { return c.vertex_target[vertex] < 0; });
-    for (Index& vertex : carrier.fed) vertex = c.vertex_target[vertex];
-  }
-  std::erase_if(setup.carriers, [](const CarrierSetup& carrier) { return carrier.fed.empty(); });
 }
 
 }  // namespace
@@ -184,10 +129,10 @@ Setup Organ<Real>::current_setup(CompactMesh& c) const {
       setup.partly_held.push_back({c.vertex_target[item.vertex], item.share, goal, item.axes});
   }
   setup.face_loads = loads_of_parts(setup_.face_loads, body_.loads.dead_loads(), body.topology, c);
-  setup.pressures = pressures_now(body_, c);
-  setup.stitches = stitches_now(body_, c);
-  setup.attachments = attachments_now(body_, c);
-  take_clips(body_, c, setup);
+  setup.pressures.clear();
+  setup.carriers.clear();
+  static_cast<ForceSetups&>(setup) = {};
+  for (const auto& term : body_.terms) term->add_to_setup(body, c, setup);
   setup.cut_frequency = std::sqrt(body_.inertia.floor().square);
   std::erase_if(setup.vertex_loads, [&](const VertexLoad& load) { return c.vertex_target[load.vertex] < 0; });
   for (VertexLoad& load : setup.vertex_loads) load.vertex = c.vertex_target[load.vertex];

@@ -4,43 +4,49 @@
 
 #include "lobe/contact/contact.h"
 #include "lobe/forces/applied_forces.h"
-#include "lobe/forces/attachments.h"
-#include "lobe/forces/clips.h"
 #include "lobe/forces/pressure.h"
-#include "lobe/forces/threads.h"
 
 namespace lobe {
+namespace {
+
+template <class Real, class ForceSetup>
+KindOfTerm<Real> kind_of_term(std::vector<ForceSetup> ForceSetups::*) {
+  return {ForceSetup::term, &ForceSetup::template make_term<Real>,
+          [](const Setup& setup, std::span<const ToolBody>) {
+            return !setup.forces_of<ForceSetup>().empty() ||
+                   (std::is_same_v<ForceSetup, ClipSetup> && !setup.carriers.empty());
+          }};
+}
 
 template <class Real>
-std::span<const KindOfTerm<Real>> kinds_of_terms() {
-  using Term = std::shared_ptr<ForceTerm<Real>>;
-  static constexpr KindOfTerm<Real> kinds[] = {
+std::vector<KindOfTerm<Real>> all_kinds() {
+  std::vector<KindOfTerm<Real>> kinds = {
       {AppliedForces<Real>::term_name,
-       [](const Setup&) -> Term { return std::make_shared<AppliedForces<Real>>(); },
+       [](const Setup&) -> NewTerm<Real> { return std::make_shared<AppliedForces<Real>>(); },
        [](const Setup&, std::span<const ToolBody>) { return false; }, false},
       {Pressure<Real>::term_name,
-       [](const Setup& setup) -> Term { return std::make_shared<Pressure<Real>>(setup); },
+       [](const Setup& setup) -> NewTerm<Real> { return std::make_shared<Pressure<Real>>(setup); },
        [](const Setup& setup, std::span<const ToolBody>) { return !setup.pressures.empty(); }},
       {Contact<Real>::term_name,
-       [](const Setup& setup) -> Term {
+       [](const Setup& setup) -> NewTerm<Real> {
          return std::make_shared<Contact<Real>>(setup.contact, setup.damping);
        },
        [](const Setup& setup, std::span<const ToolBody> tools) {
          return !tools.empty() || setup.contact.is_on();
        },
-       false},
-      {Attachments<Real>::term_name,
-       [](const Setup& setup) -> Term { return std::make_shared<Attachments<Real>>(setup); },
-       [](const Setup& setup, std::span<const ToolBody>) { return !setup.attachments.empty(); }},
-      {Clips<Real>::term_name,
-       [](const Setup& setup) -> Term { return std::make_shared<Clips<Real>>(setup); },
-       [](const Setup& setup, std::span<const ToolBody>) {
-         return !setup.clips.empty() || !setup.carriers.empty();
-       }},
-      // The last: it predicts the motion that all other forces give.
-      {Threads<Real>::term_name,
-       [](const Setup& setup) -> Term { return std::make_shared<Threads<Real>>(setup); },
-       [](const Setup& setup, std::span<const ToolBody>) { return !setup.stitches.empty(); }}};
+       false}};
+  std::apply([&](auto... list) { (kinds.push_back(kind_of_term<Real>(list)), ...); }, ForceSetups::fields);
+  // Threads are the last: they predict the motion that all other forces give.
+  std::stable_partition(kinds.begin(), kinds.end(),
+                        [](const auto& kind) { return kind.name != StitchSetup::term; });
+  return kinds;
+}
+
+}  // namespace
+
+template <class Real>
+std::span<const KindOfTerm<Real>> kinds_of_terms() {
+  static const std::vector<KindOfTerm<Real>> kinds = all_kinds<Real>();
   return kinds;
 }
 

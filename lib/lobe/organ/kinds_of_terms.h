@@ -1,5 +1,6 @@
-// The kinds of force terms that a World makes by itself, in one table. A term of a new kind needs an entry
-// here, and World needs no change. Terms of other kinds come by World::add().
+// The kinds of force terms that a World makes by itself, in one table: those of all forces of a setup
+// (setup/force_setups.h), and a few more. World needs no change for a new one. Terms of other kinds come by
+// World::add().
 #pragma once
 
 #include <memory>

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 namespace lobe {
 
@@ -17,6 +18,23 @@ void AttachmentSetup::check(const Expect& expect) const {
     if (strand.from.tet >= 0 && strand.from.tet == strand.to.tet)
       return expect(false, whose + " has a strand with both ends in tetrahedron " +
                                std::to_string(strand.from.tet) + ", where it would pull at nothing");
+}
+
+void AttachmentSetup::check_all(const std::vector<AttachmentSetup>& all, const Body& body,
+                                const Expect& expect) {
+  std::set<std::string> names;
+  for (const AttachmentSetup& attachment : all) {
+    attachment.check(expect);
+    expect(names.insert(attachment.name).second, "there are two attachments \"" + attachment.name + "\"");
+    expect(std::all_of(attachment.strands.begin(), attachment.strands.end(),
+                       [&](const StrandSetup& strand) {
+                         return can_be_pulled(strand.from.tet, body) &&
+                                (strand.ends_in_world() || can_be_pulled(strand.to.tet, body));
+                       }),
+           "attachment \"" + attachment.name +
+               "\" has an end in a tetrahedron that there is not, or that is precomputed, where nothing can "
+               "pull");
+  }
 }
 
 }  // namespace lobe

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "lobe/setup/embedded_point.h"
-#include "lobe/setup/tool_setups.h"
+#include "lobe/setup/force_setup.h"
 
 namespace lobe {
 
@@ -41,6 +41,10 @@ struct AttachmentSetup {
   std::vector<StrandSetup> strands;
   bool operator==(const AttachmentSetup&) const = default;
   void check(const Expect& expect) const;
+  static constexpr const char* term = "attachments";
+  template <class Real>
+  static NewTerm<Real> make_term(const Setup& setup);
+  static void check_all(const std::vector<AttachmentSetup>& all, const Body& body, const Expect& expect);
   static constexpr auto fields = std::tuple(&AttachmentSetup::name, &AttachmentSetup::holds_until,
                                             &AttachmentSetup::softening, &AttachmentSetup::strands);
 };

@@ -22,16 +22,13 @@ class Checker {
   }
 
   bool is_vertex(Index v) const { return v >= 0 && v < setup_.mesh.vertex_count(); }
-  bool is_tet(Index t) const { return t >= 0 && t < setup_.mesh.tet_count(); }
 
   void check_mesh();
   void check_materials();
   void check_fibres();
   void check_boundary();
   void check_tools();
-  void check_stitches(const Expect& told);
-  void check_attachments(const Expect& told);
-  void check_clips(const Expect& told);
+  void check_carriers();
   void check_exclusions(Options used);
 
   void finish() {
@@ -152,19 +149,16 @@ void Checker::check_boundary() {
          "a loaded vertex is out of range, or its force not finite");
   expect(all(setup_.face_loads,
              [&](const FaceLoad& l) {
-               return is_tet(l.tet) && l.face >= 0 && l.face < 4 && l.traction.allFinite();
+               return is_tet(l.tet, setup_) && l.face >= 0 && l.face < 4 && l.traction.allFinite();
              }),
          "a loaded face is out of range, or its traction not finite");
   expect(all(setup_.pressures,
              [&](const FacePressure& p) {
-               return is_tet(p.tet) && p.face >= 0 && p.face < 4 && std::isfinite(p.pressure);
+               return is_tet(p.tet, setup_) && p.face >= 0 && p.face < 4 && std::isfinite(p.pressure);
              }),
          "a face under pressure is out of range, or its pressure not finite");
   expect(all(setup_.pressures,
-             [&](const FacePressure& p) {
-               return !is_tet(p.tet) || std::size_t(p.tet) >= setup_.region_of.size() ||
-                      setup_.region_of[std::size_t(p.tet)] != RegionModel::precomputed;
-             }),
+             [&](const FacePressure& p) { return !is_tet(p.tet, setup_) || can_be_pulled(p.tet, setup_); }),
          "a face under pressure is in a precomputed region, which bears no load that turns with it");
 }
 
@@ -172,20 +166,11 @@ void Checker::check_tools() {
   const Expect told = [this](bool is_met, const std::string& fault) { expect(is_met, fault); };
   for_each_tool(static_cast<const ToolSetups&>(setup_), [&](const auto& tool) { tool.check(told); });
   setup_.contact.check(told);
-  check_stitches(told);
-  check_attachments(told);
-  check_clips(told);
+  for_each_kind(static_cast<const ForceSetups&>(setup_),
+                [&]<class Item>(const std::vector<Item>& all) { Item::check_all(all, setup_, told); });
 }
 
-void Checker::check_clips(const Expect& told) {
-  for (const ClipSetup& clip : setup_.clips) {
-    clip.check(told);
-    expect(std::all_of(
-               clip.pairs.begin(), clip.pairs.end(),
-               [&](const ClipSetup::Pair& pair) { return is_tet(pair.from.tet) && is_tet(pair.to.tet); }) &&
-               std::all_of(clip.squeezed.begin(), clip.squeezed.end(), [&](Index t) { return is_tet(t); }),
-           "clip \"" + clip.name + "\" names a tetrahedron that there is not");
-  }
+void Checker::check_carriers() {
   std::set<int> bodies;
   for (const CarrierSetup& carrier : setup_.carriers) {
     const bool is_body = carrier.body >= 0 && std::size_t(carrier.body) < setup_.mesh.bodies.names.size();
@@ -195,37 +180,6 @@ void Checker::check_clips(const Expect& told) {
     expect(!carrier.fed.empty() &&
                std::all_of(carrier.fed.begin(), carrier.fed.end(), [&](Index v) { return is_vertex(v); }),
            "a body that carries something needs vertices of the mesh at which it comes in");
-  }
-}
-
-void Checker::check_attachments(const Expect& told) {
-  const auto bears = [&](const EmbeddedPoint& end) {
-    return is_tet(end.tet) && (std::size_t(end.tet) >= setup_.region_of.size() ||
-                               setup_.region_of[std::size_t(end.tet)] != RegionModel::precomputed);
-  };
-  std::set<std::string> names;
-  for (const AttachmentSetup& attachment : setup_.attachments) {
-    attachment.check(told);
-    expect(names.insert(attachment.name).second, "there are two attachments \"" + attachment.name + "\"");
-    expect(std::all_of(attachment.strands.begin(), attachment.strands.end(),
-                       [&](const StrandSetup& strand) {
-                         return bears(strand.from) && (strand.ends_in_world() || bears(strand.to));
-                       }),
-           "attachment \"" + attachment.name +
-               "\" has an end in a tetrahedron that there is not, or that is precomputed, where nothing can "
-               "pull");
-  }
-}
-
-void Checker::check_stitches(const Expect& told) {
-  for (const StitchSetup& stitch : setup_.stitches) {
-    stitch.check(told);
-    for (const EmbeddedPoint& bite : stitch.bites) {
-      expect(is_tet(bite.tet), "stitch \"" + stitch.name + "\" passes a tetrahedron that there is not");
-      expect(!is_tet(bite.tet) || std::size_t(bite.tet) >= setup_.region_of.size() ||
-                 setup_.region_of[std::size_t(bite.tet)] != RegionModel::precomputed,
-             "stitch \"" + stitch.name + "\" passes a precomputed region, where nothing can pull");
-    }
   }
 }
 
@@ -247,6 +201,7 @@ void check_setup(const Setup& setup, const Options& wanted) {
   checker.check_fibres();
   checker.check_boundary();
   checker.check_tools();
+  checker.check_carriers();
   checker.check_exclusions(wanted);
   checker.finish();
 }

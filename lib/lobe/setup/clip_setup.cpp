@@ -24,4 +24,15 @@ void ClipSetup::check(const Expect& expect) const {
          whose + "needs pairs of points of the tissue, some way apart");
 }
 
+void ClipSetup::check_all(const std::vector<ClipSetup>& all, const Body& body, const Expect& expect) {
+  const auto is_there = [&](Index tet) { return is_tet(tet, body); };
+  for (const ClipSetup& clip : all) {
+    clip.check(expect);
+    expect(std::all_of(clip.pairs.begin(), clip.pairs.end(),
+                       [&](const Pair& pair) { return is_there(pair.from.tet) && is_there(pair.to.tet); }) &&
+               std::all_of(clip.squeezed.begin(), clip.squeezed.end(), is_there),
+           "clip \"" + clip.name + "\" names a tetrahedron that there is not");
+  }
+}
+
 }  // namespace lobe

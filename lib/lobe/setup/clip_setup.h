@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "lobe/setup/embedded_point.h"
-#include "lobe/setup/rigid_shape.h"
+#include "lobe/setup/force_setup.h"
 
 namespace lobe {
 
@@ -42,6 +42,10 @@ struct ClipSetup {
   std::vector<Index> squeezed;  // tetrahedra that its middle plane crosses: nothing flows through them
   bool operator==(const ClipSetup&) const = default;
   void check(const Expect& expect) const;
+  static constexpr const char* term = "clips";
+  template <class Real>
+  static NewTerm<Real> make_term(const Setup& setup);
+  static void check_all(const std::vector<ClipSetup>& all, const Body& body, const Expect& expect);
   static constexpr auto fields =
       std::tuple(&ClipSetup::shape, &ClipSetup::tool, &ClipSetup::number, &ClipSetup::since,
                  &ClipSetup::pairs, &ClipSetup::squeezed, &ClipSetup::name);

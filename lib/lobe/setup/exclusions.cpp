@@ -134,9 +134,7 @@ Options options_of(const Setup& setup) {
   used.add(Option::other_law, any_other_law(setup.materials));
   used.add(Option::sleep, setup.sleep > 0);
   used.add(Option::selective_mass, setup.selective_mass > 1);
-  used.add(Option::force_terms, setup.contact.is_on() || !setup.pressures.empty() ||
-                                    !setup.stitches.empty() || !setup.attachments.empty() ||
-                                    !setup.clips.empty());
+  used.add(Option::force_terms, setup.contact.is_on() || !setup.pressures.empty() || setup.any_force());
   for_each_tool(static_cast<const ToolSetups&>(setup),
                 [&](const auto& tool) { used.add(Option::force_terms, needs_force_term(tool)); });
   used.add(Option::partly_held, any_partly_held(setup));

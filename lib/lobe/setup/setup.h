@@ -7,9 +7,8 @@
 #include <vector>
 
 #include "lobe/fem/body.h"
-#include "lobe/setup/attachment_setup.h"
 #include "lobe/setup/contact_setup.h"
-#include "lobe/setup/thread_setup.h"
+#include "lobe/setup/force_setups.h"
 #include "lobe/setup/tool_setups.h"
 
 namespace lobe {
@@ -72,7 +71,7 @@ enum class Integrator : std::uint8_t {
 inline const char* name(Integrator i) { return i == Integrator::generalised_alpha ? "implicit" : "explicit"; }
 
 // Body has the mesh, its materials and the region of each tetrahedron.
-struct Setup : Body, ToolSetups {
+struct Setup : Body, ToolSetups, ForceSetups {
   std::vector<PrescribedVertex> prescribed;
   std::vector<PartlyHeldVertex> partly_held;
   std::vector<FaceLoad> face_loads;
@@ -99,9 +98,6 @@ struct Setup : Body, ToolSetups {
   double lattice_cell = 0;       // edge of the cells of reduced regions [m]; 0: chosen by their size
   bool expandable = false;       // pre-computed regions may be non-linear for a while (command Expand)
   ContactSetup contact;
-  std::vector<StitchSetup> stitches;
-  std::vector<AttachmentSetup> attachments;
-  std::vector<ClipSetup> clips;  // clips that were closed before
   std::vector<CarrierSetup> carriers;
 
   // The members that decide how a world moves, for fingerprint(): no names.
@@ -111,9 +107,8 @@ struct Setup : Body, ToolSetups {
                  &Setup::pressures, &Setup::gravity, &Setup::loose_pieces, &Setup::damping, &Setup::safety,
                  &Setup::cut_step, &Setup::cut_frequency, &Setup::selective_mass, &Setup::integrator,
                  &Setup::implicit_step, &Setup::spectral_radius, &Setup::ramp, &Setup::load_ramp,
-                 &Setup::sleep, &Setup::lattice_cell, &Setup::expandable, &Setup::contact, &Setup::stitches,
-                 &Setup::attachments, &Setup::clips, &Setup::carriers),
-      ToolSetups::fields);
+                 &Setup::sleep, &Setup::lattice_cell, &Setup::expandable, &Setup::contact),
+      ForceSetups::fields, std::tuple(&Setup::carriers), ToolSetups::fields);
 };
 
 }  // namespace lobe

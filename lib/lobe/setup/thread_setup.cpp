@@ -37,4 +37,15 @@ void StitchSetup::check(const Expect& expect) const {
   }
 }
 
+void StitchSetup::check_all(const std::vector<StitchSetup>& all, const Body& body, const Expect& expect) {
+  for (const StitchSetup& stitch : all) {
+    stitch.check(expect);
+    for (const EmbeddedPoint& bite : stitch.bites) {
+      expect(is_tet(bite.tet, body), "stitch \"" + stitch.name + "\" passes a tetrahedron that there is not");
+      expect(!is_tet(bite.tet, body) || can_be_pulled(bite.tet, body),
+             "stitch \"" + stitch.name + "\" passes a precomputed region, where nothing can pull");
+    }
+  }
+}
+
 }  // namespace lobe

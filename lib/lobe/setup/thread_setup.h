@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "lobe/setup/embedded_point.h"
-#include "lobe/setup/tool_setups.h"
+#include "lobe/setup/force_setup.h"
 
 namespace lobe {
 
@@ -44,6 +44,10 @@ struct StitchSetup {
   double at = 0;                     // time at which it is sewn [s]
   std::vector<TieSetup> ties;
   void check(const Expect& expect) const;
+  static constexpr const char* term = "threads";
+  template <class Real>
+  static NewTerm<Real> make_term(const Setup& setup);
+  static void check_all(const std::vector<StitchSetup>& all, const Body& body, const Expect& expect);
   static constexpr auto fields =
       std::tuple(&StitchSetup::material, &StitchSetup::bites, &StitchSetup::at, &StitchSetup::ties);
 };

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "lobe/error.h"
+#include "lobe/scene/each_selector.h"
 #include "lobe/scene/nearest_word.h"
 
 namespace lobe {
@@ -13,40 +14,13 @@ class GroupBinder {
   explicit GroupBinder(const MeshFile& mesh) : mesh_(mesh) {}
 
   void bind(Scene& scene) {
-    each(scene.materials, "/materials/");
-    each(scene.regions, "/regions/");
-    each(scene.boundary, "/boundary/");
-    for (std::size_t i = 0; i < scene.tools.size(); ++i)
-      if (Selector* where = scene.tools[i].where()) bind(*where, "/tools/" + std::to_string(i) + "/where");
-    if (scene.auto_regions) each(scene.auto_regions->gestures, "/regions/auto/gestures/");
-    for (std::size_t i = 0; i < scene.materials.size(); ++i)
-      if (auto* field = harmonic(scene.materials[i])) {
-        const std::string place = "/materials/" + std::to_string(i) + "/fibre/harmonic";
-        bind(field->from, place + "/from");
-        bind(field->to, place + "/to");
-      }
-    for (std::size_t i = 0; i < scene.attachments.size(); ++i)
-      if (auto* bed = std::get_if<SceneBed>(&scene.attachments[i].what)) {
-        const std::string place = "/attachments/" + std::to_string(i) + "/bed";
-        bind(bed->from, place + "/from");
-        bind(bed->to, place + "/to");
-      }
+    for_each_selector(scene, [&](Selector& selector, Selects, const std::string& entry, const char* key) {
+      bind(selector, entry + key);
+    });
     if (!faults_.empty()) throw InputError(std::move(faults_));
   }
 
  private:
-  static FibreHarmonic* harmonic(Material& material) {
-    return material.fibre ? std::get_if<FibreHarmonic>(&*material.fibre) : nullptr;
-  }
-
-  template <class Entry>
-  void each(std::vector<Entry>& entries, const std::string& list) {
-    for (std::size_t i = 0; i < entries.size(); ++i)
-      bind(entries[i].where, list + std::to_string(i) + "/where");
-  }
-  void bind(std::optional<Selector>& selector, const std::string& place) {
-    if (selector) bind(*selector, place);
-  }
   void bind(Selector& selector, const std::string& place) {
     std::visit([&](auto& select) { bind_one(select, place); }, selector.value);
     if (auto* by_label = std::get_if<SelectLabel>(&selector.value); by_label && !by_label->names.empty())

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <iterator>
 
+#include "lobe/scene/each_selector.h"
 #include "lobe/scene/explain.h"
 #include "lobe/scene/json_text.h"
 #include "lobe/scene/scene_document.h"
@@ -22,22 +23,14 @@ class MeaningChecker {
     for (std::size_t i = 0; i < scene_.materials.size(); ++i) {
       check_material(scene_.materials[i], child_pointer("/materials", i));
     }
-    for (std::size_t i = 0; i < scene_.regions.size(); ++i) {
-      check_where(scene_.regions[i].where, child_pointer("/regions", i));
-    }
-    if (scene_.auto_regions)
-      for (const SceneGesture& gesture : scene_.auto_regions->gestures)
-        check_selector(gesture.where, gesture.pointer + "/where");
     for (std::size_t i = 0; i < scene_.boundary.size(); ++i) {
       check_boundary(scene_.boundary[i], child_pointer("/boundary", i));
     }
-    for (std::size_t i = 0; i < scene_.tools.size(); ++i) {
-      const std::string place = child_pointer("/tools", i);
-      if (const Selector* where = scene_.tools[i].where()) check_selector(*where, place + "/where");
-      check_path(scene_.tools[i].path(), place + "/path");
-    }
-    for (std::size_t i = 0; i < scene_.attachments.size(); ++i)
-      check_attachment(i, child_pointer("/attachments", i));
+    for (std::size_t i = 0; i < scene_.tools.size(); ++i)
+      check_path(scene_.tools[i].path(), child_pointer("/tools", i) + "/path");
+    check_names(scene_.attachments, "/attachments");
+    for_each_selector(scene_, [&](const Selector& selector, Selects, const std::string& entry,
+                                  const char* key) { check_selector(selector, entry + key); });
     constexpr double most_frames = 1e7;
     if (scene_.time.duration / scene_.time.frame > most_frames) {
       add("/time/frame", exact(scene_.time.frame) + ", makes more than 10 million frames of the duration, " +
@@ -61,31 +54,20 @@ class MeaningChecker {
   }
 
   void check_bodies() {
-    for (std::size_t i = 0; i < scene_.bodies.size(); ++i) {
-      const SceneBody& body = scene_.bodies[i];
-      const std::string place = child_pointer("/bodies", i);
-      for (std::size_t j = 0; j < i; ++j)
-        if (scene_.bodies[j].name == body.name) {
-          add(place + "/name",
-              "\"" + body.name + "\" is the name of /bodies/" + std::to_string(j) + " already");
-          break;
-        }
-      check_unit(body.orientation, place + "/orientation");
-    }
+    check_names(scene_.bodies, "/bodies");
+    for (std::size_t i = 0; i < scene_.bodies.size(); ++i)
+      check_unit(scene_.bodies[i].orientation, child_pointer("/bodies", i) + "/orientation");
   }
 
-  void check_attachment(std::size_t i, const std::string& place) {
-    const SceneAttachment& attachment = scene_.attachments[i];
-    for (std::size_t j = 0; j < i; ++j)
-      if (scene_.attachments[j].name == attachment.name) {
-        add(place + "/name",
-            "\"" + attachment.name + "\" is the name of /attachments/" + std::to_string(j) + " already");
-        break;
-      }
-    const auto* bed = std::get_if<SceneBed>(&attachment.what);
-    if (!bed) return;
-    check_selector(bed->from, place + "/bed/from");
-    if (bed->to) check_selector(*bed->to, place + "/bed/to");
+  template <class Entry>
+  void check_names(const std::vector<Entry>& entries, const std::string& list) {
+    for (std::size_t i = 0; i < entries.size(); ++i)
+      for (std::size_t j = 0; j < i; ++j)
+        if (entries[j].name == entries[i].name) {
+          add(child_pointer(list, i) + "/name",
+              "\"" + entries[i].name + "\" is the name of " + child_pointer(list, j) + " already");
+          break;
+        }
   }
 
   void check_unit(const Eigen::Vector4d& quaternion, const std::string& place) {
@@ -108,7 +90,6 @@ class MeaningChecker {
           "needs lame_lambda of at least 0, not " + exact(lambda) + "; leave it out");
     }
     if (material.fibre) check_field(material, place);
-    check_where(material.where, place);
   }
 
   void check_fibres(const Material& material, const std::string& place) {
@@ -117,7 +98,6 @@ class MeaningChecker {
       add(place, "its constants are not positive definite to rounding");
     if (faults_.empty() && material.nodal_pressure > 0 && elastic_of(material).lambda < 0)
       add(place + "/nodal_pressure", "needs a stiffness across of at least its shear's; leave it out");
-    check_where(material.where, place);
     if (!material.fibre) return add(place + "/fibre", "is missing: which way the fibres run");
     check_field(material, place);
   }
@@ -128,9 +108,6 @@ class MeaningChecker {
       check_length(constant->direction, at + "/direction");
     } else if (const auto* around = std::get_if<FibreAround>(&*material.fibre)) {
       check_length(around->axis, at + "/axis/direction");
-    } else if (const auto* ends = std::get_if<FibreHarmonic>(&*material.fibre)) {
-      check_selector(ends->from, at + "/harmonic/from");
-      check_selector(ends->to, at + "/harmonic/to");
     }
   }
 
@@ -143,7 +120,6 @@ class MeaningChecker {
   void check_boundary(const Boundary& boundary, const std::string& place) {
     if (boundary.kind == Boundary::Kind::displacement && boundary.axes == Axes{})
       add(place + "/displacement", "every component is null, so that nothing is prescribed");
-    check_selector(boundary.where, place + "/where");
   }
 
   void check_path(const std::vector<PathPoint>& path, const std::string& place) {
@@ -157,10 +133,6 @@ class MeaningChecker {
               (same ? " is given twice; times must increase"
                     : " goes back (previous " + exact(path[i - 1].time) + ")"));
     }
-  }
-
-  void check_where(const std::optional<Selector>& where, const std::string& place) {
-    if (where) check_selector(*where, place + "/where");
   }
 
   void check_selector(const Selector& selector, const std::string& place) {

@@ -2,34 +2,59 @@
 #pragma once
 
 #include <algorithm>
+#include <string>
 #include <vector>
 
 #include "lobe/scene/scene.h"
 
 namespace lobe {
 
-// Calls visit(selector, whether it is of tetrahedra) for every selector of a scene that is at the top.
+// What an entry of a scene takes of a selection; shares are of vertices (HoldBy).
+enum class Selects : std::uint8_t { vertices, shares, faces, tets };
+
+inline Selects selected_by(const Boundary& entry) {
+  if (entry.kind == Boundary::Kind::traction || entry.kind == Boundary::Kind::pressure) return Selects::faces;
+  return entry.hold_by == HoldBy::vertices ? Selects::vertices : Selects::shares;
+}
+inline Selects selected_by(const Tool& tool) {
+  const bool is_partly = tool.is<GraspSetup>() && tool.as<GraspSetup>().hold_by != HoldBy::vertices;
+  return is_partly ? Selects::shares : Selects::vertices;
+}
+
+// Calls visit(selector, what, entry, key) for every selector of a scene that is at the top; entry + key is its
+// JSON pointer.
 template <class SceneType, class Visit>
 void for_each_selector(SceneType& scene, const Visit& visit) {
-  for (auto& material : scene.materials) {
-    if (material.where) visit(*material.where, true);
+  const auto each = [&](auto& entries, const std::string& list, const auto& visit_entry) {
+    for (std::size_t i = 0; i < entries.size(); ++i) visit_entry(entries[i], list + std::to_string(i));
+  };
+  each(scene.materials, "/materials/", [&](auto& material, const std::string& entry) {
+    if (material.where) visit(*material.where, Selects::tets, entry, "/where");
     if (auto* field = material.fibre ? std::get_if<FibreHarmonic>(&*material.fibre) : nullptr) {
-      visit(field->from, false);
-      visit(field->to, false);
+      visit(field->from, Selects::vertices, entry, "/fibre/harmonic/from");
+      visit(field->to, Selects::vertices, entry, "/fibre/harmonic/to");
     }
-  }
-  for (auto& region : scene.regions)
-    if (region.where) visit(*region.where, true);
-  for (auto& boundary : scene.boundary) visit(boundary.where, false);
-  for (auto& tool : scene.tools)
-    if (auto* where = tool.where()) visit(*where, false);
-  for (auto& attachment : scene.attachments)
+  });
+  each(scene.regions, "/regions/", [&](auto& region, const std::string& entry) {
+    if (region.where) visit(*region.where, Selects::tets, entry, "/where");
+  });
+  each(scene.boundary, "/boundary/", [&](auto& boundary, const std::string& entry) {
+    visit(boundary.where, selected_by(boundary), entry, "/where");
+  });
+  each(scene.tools, "/tools/", [&](auto& tool, const std::string& entry) {
+    if (auto* where = tool.where()) visit(*where, selected_by(tool), entry, "/where");
+  });
+  each(scene.attachments, "/attachments/", [&](auto& attachment, const std::string& entry) {
     if (auto* bed = std::get_if<SceneBed>(&attachment.what)) {
-      visit(bed->from, false);
-      if (bed->to) visit(*bed->to, false);
+      visit(bed->from, Selects::faces, entry, "/bed/from");
+      if (bed->to) visit(*bed->to, Selects::faces, entry, "/bed/to");
     }
+  });
   if (scene.auto_regions)
-    for (auto& gesture : scene.auto_regions->gestures) visit(gesture.where, false);
+    each(scene.auto_regions->gestures, "/regions/auto/gestures/",
+         [&](auto& gesture, const std::string& entry) {
+           visit(gesture.where, Selects::vertices, entry, "/where");
+         });
 }
 
 // The selectors that this one is made of; none if it is simple.
@@ -49,7 +74,8 @@ inline bool by_number(Selector selector) {
 }
 inline bool selects_by_number(const Scene& scene) {
   bool found = false;
-  for_each_selector(scene, [&](const Selector& selector, bool) { found = found || by_number(selector); });
+  for_each_selector(scene,
+                    [&](const Selector& selector, auto&&...) { found = found || by_number(selector); });
   return found;
 }
 }  // namespace lobe

@@ -43,8 +43,9 @@ void prolongate(Selector& selector, bool of_tets, const TetMesh& old, const Refi
 }  // namespace
 
 Scene prolongated(Scene scene, const TetMesh& old, const RefinedMesh& refined) {
-  for_each_selector(scene,
-                    [&](Selector& selector, bool of_tets) { prolongate(selector, of_tets, old, refined); });
+  for_each_selector(scene, [&](Selector& selector, Selects what, auto&&...) {
+    prolongate(selector, what == Selects::tets, old, refined);
+  });
   return scene;
 }
 

@@ -10,6 +10,7 @@
 #include "lobe/file/atomic_file.h"
 #include "lobe/io/grouped_mesh.h"
 #include "lobe/mesh/joined_mesh.h"
+#include "lobe/scene/each_selector.h"
 #include "lobe/scene/read_scene.h"
 #include "lobe/scene/resolve_parts.h"
 #include "lobe/scene/select.h"
@@ -39,55 +40,25 @@ class Freezer {
       : image_(image), rest_(rest), faces_(outer_faces(image)) {}
 
   std::vector<std::string> freeze(Scene& scene) {
-    each(scene.materials, "/materials/", [&](Material& m) { tets(m.where); });
-    each(scene.regions, "/regions/", [&](Region& region) { tets(region.where); });
-    each(scene.boundary, "/boundary/", [&](Boundary& entry) {
-      if (entry.kind == Boundary::Kind::traction || entry.kind == Boundary::Kind::pressure)
-        faces(entry.where);
-      else if (entry.hold_by == HoldBy::vertices)
-        vertices(entry.where);
+    for_each_selector(scene, [&](Selector& selector, Selects what, const std::string& entry, auto&&) {
+      place_ = entry;
+      if (what == Selects::vertices) vertices(selector);
+      if (what == Selects::faces) faces(selector);
+      if (what == Selects::tets) tets(selector);
     });
-    each(scene.tools, "/tools/", [&](Tool& tool) {
-      if (!tool.is<GraspSetup>()) return;
-      SceneGrasp& grasp = tool.as<GraspSetup>();
-      if (grasp.where && grasp.hold_by == HoldBy::vertices) vertices(*grasp.where);
-    });
-    each(scene.attachments, "/attachments/", [&](SceneAttachment& attachment) {
-      auto* bed = std::get_if<SceneBed>(&attachment.what);
-      if (!bed) return;
-      faces(bed->from);
-      if (bed->to) faces(*bed->to);
-    });
-    each(scene.materials, "/materials/", [&](Material& m) {
-      auto* field = m.fibre ? std::get_if<FibreHarmonic>(&*m.fibre) : nullptr;
-      if (!field) return;
-      vertices(field->from);
-      vertices(field->to);
-    });
-    if (scene.auto_regions)
-      each(scene.auto_regions->gestures, "/regions/auto/gestures/",
-           [&](SceneGesture& gesture) { vertices(gesture.where); });
     return std::move(notes_);
   }
 
  private:
-  template <class Entry, class Visit>
-  void each(std::vector<Entry>& entries, const char* list, const Visit& visit) {
-    for (std::size_t i = 0; i < entries.size(); ++i) {
-      place_ = list + std::to_string(i);
-      visit(entries[i]);
-    }
-  }
   void note(const std::string& what) {
     notes_.push_back(place_ + ": names the numbers of its " + what +
                      ", since its place has others of the unloaded shape");
   }
-  void tets(std::optional<Selector>& selector) {
-    if (!selector) return;
-    std::vector<Index> taken = select_tets(*selector, image_);
-    if (taken == select_tets(*selector, rest_)) return;
+  void tets(Selector& selector) {
+    std::vector<Index> taken = select_tets(selector, image_);
+    if (taken == select_tets(selector, rest_)) return;
     note(counted(taken.size(), "tetrahedron", "tetrahedra"));
-    selector->value = SelectTetrahedra{std::move(taken)};
+    selector.value = SelectTetrahedra{std::move(taken)};
   }
   void vertices(Selector& selector) {
     std::vector<Index> taken = select_vertices(selector, image_);

@@ -70,7 +70,7 @@ void add_group_of(Selector& selector, std::vector<SurfaceGroup>& groups) {
 
 std::vector<SurfaceGroup> selected_groups(Scene& scene) {
   std::vector<SurfaceGroup> groups;
-  for_each_selector(scene, [&](Selector& selector, bool) { add_group_of(selector, groups); });
+  for_each_selector(scene, [&](Selector& selector, auto&&...) { add_group_of(selector, groups); });
   return groups;
 }
 

@@ -9,9 +9,6 @@
 
 namespace lobe {
 
-// What an entry of a scene takes of a selection; shares are of vertices (HoldBy).
-enum class Selects : std::uint8_t { vertices, shares, faces, tets };
-
 inline Selects selected_by(const Boundary& entry) {
   if (entry.kind == Boundary::Kind::traction || entry.kind == Boundary::Kind::pressure) return Selects::faces;
   return entry.hold_by == HoldBy::vertices ? Selects::vertices : Selects::shares;
@@ -21,8 +18,8 @@ inline Selects selected_by(const Tool& tool) {
   return is_partly ? Selects::shares : Selects::vertices;
 }
 
-// Calls visit(selector, what, entry, key) for every selector of a scene that is at the top; entry + key is its
-// JSON pointer.
+// Calls visit(selector, what, entry, key) for every selector at the top of a scene; entry + key is its JSON
+// pointer.
 template <class SceneType, class Visit>
 void for_each_selector(SceneType& scene, const Visit& visit) {
   const auto each = [&](auto& entries, const std::string& list, const auto& visit_entry) {

@@ -44,13 +44,12 @@ void refuse_late_times(const Observations& observed, const Time& time, const std
 }
 
 void warn_of_what_equilibria_leave_out(const Scene& scene) {
-  for (const auto& [any, what] :
-       {std::pair(!scene.tools.empty(), "tools are"), std::pair(!scene.threads.empty(), "threads are"),
-        std::pair(!scene.attachments.empty(), "attachments are"),
-        std::pair(scene.contact.is_on(), "contact is")})
-    if (any)
-      print_warnings(
-          {std::string(what) + " left out of an equilibrium; a table with times is of the motion"});
+  std::vector<std::string> left_out;
+  if (!scene.tools.empty()) left_out.push_back("tools are");
+  for (const std::string& key : scene.force_keys()) left_out.push_back(key + " are");
+  if (scene.contact.is_on()) left_out.push_back("contact is");
+  for (const std::string& what : left_out)
+    print_warnings({what + " left out of an equilibrium; a table with times is of the motion"});
 }
 
 std::vector<FitCase> load_cases(const FitCommand& command, std::vector<Scene>& scenes) {

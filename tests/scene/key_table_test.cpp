@@ -32,10 +32,32 @@ struct Tables {
      ...);
   }
 };
-using All =
-    Tables<SceneBody, Region, AutoRegions, SceneGesture, SceneThread, SceneStitch, SceneTie, SceneAttachment,
-           SceneBed, SceneLigament, Time, Output, Boundary, ContactSetup, ObstacleSetup, PronyTerm>;
+using All = Tables<SceneBody, Region, AutoRegions, SceneGesture, Time, Output, Boundary, ContactSetup,
+                   ObstacleSetup, PronyTerm>;
 using ByExample = Tables<Selector, FibreField, RigidShape>;  // which the pages show by examples
+
+template <class Value>
+struct Innermost {
+  using Type = Value;
+};
+template <class Value>
+requires requires { typename Value::value_type; }
+struct Innermost<Value> : Innermost<typename Value::value_type> {};
+
+// Calls visit(Tables<Struct>()) for a struct, and for those that are in it.
+template <class Struct, class Visit>
+void for_each_table(const Visit& visit) {
+  visit(Tables<Struct>());
+  keys::for_each_key(keys::table_of<Struct>, [&](const auto& row) {
+    using Inner = typename Innermost<keys::MemberType<Struct, decltype(row.member)>>::Type;
+    if constexpr (keys::HasKeys<Inner> && !std::same_as<Inner, Selector>) for_each_table<Inner>(visit);
+  });
+}
+template <class Visit>
+void for_each_table_of_forces(const Visit& visit) {
+  const Scene none;
+  for_each_kind(none, [&]<class Force>(const std::vector<Force>&) { for_each_table<Force>(visit); });
+}
 
 }  // namespace
 
@@ -50,6 +72,7 @@ TEST_CASE("the schema has what the tables of keys say") {
   };
   All::for_each_schema(compare);
   ByExample::for_each_schema(compare);
+  for_each_table_of_forces([&](const auto& tables) { tables.for_each_schema(compare); });
   // Of these the tables have some keys, and the file the others, and what goes together.
   const auto compare_keys = [&]<class Struct>(const Struct&, const auto&... table) {
     (compare(table.definition, completed<Struct>(file["definitions"][table.definition], table)), ...);
@@ -78,6 +101,7 @@ TEST_CASE("rows of the reference begin as the tables of keys say") {
     CHECK(row.is_on(pages));
   };
   All::for_each_row(find);
+  for_each_table_of_forces([&](const auto& tables) { tables.for_each_row(find); });
   const auto find_all = [&]<class Struct>(const Struct&, const auto&... table) {
     const auto find_key = [&](const auto& row) { find(row_in_words<Struct>(row)); };
     (keys::for_each_key(table, find_key), ...);

@@ -53,8 +53,7 @@ std::span<const KindOfTerm<Real>> kinds_of_terms() {
 template <class Real>
 const KindOfTerm<Real>* find_kind_of_term(std::string_view name) {
   const std::span<const KindOfTerm<Real>> kinds = kinds_of_terms<Real>();
-  const auto found = std::find_if(kinds.begin(), kinds.end(),
-                                  [&](const KindOfTerm<Real>& kind) { return kind.name == name; });
+  const auto found = std::ranges::find(kinds, name, &KindOfTerm<Real>::name);
   return found == kinds.end() ? nullptr : &*found;
 }
 

@@ -56,10 +56,9 @@ bool is_loaded(const Setup& setup) {
 
 std::vector<std::string> left_out_of_statics(const Scene& scene, const Setup& setup) {
   std::vector<std::string> warnings;
-  for (const auto& [any, what] :
-       {std::pair(!scene.tools.empty(), "tools"), std::pair(!scene.threads.empty(), "threads"),
-        std::pair(!scene.attachments.empty(), "attachments")})
-    if (any) warnings.push_back(std::string(what) + " are ignored in a static solution");
+  if (!scene.tools.empty()) warnings.push_back("tools are ignored in a static solution");
+  for (const std::string& key : scene.force_keys())
+    warnings.push_back(key + " are ignored in a static solution");
   if (scene.contact.is_on()) warnings.push_back("contact is ignored in a static solution");
   if (any_viscous(setup.materials))
     warnings.push_back("viscosity is left out of a static solution, which is that after long rest");

@@ -113,33 +113,6 @@ void print_tools(std::ostream& out, const ordered_json& tools) {
   }
 }
 
-void print_threads(std::ostream& out, const ordered_json& threads) {
-  for (const ordered_json& thread : threads) {
-    out << "thread     " << thread["name"].get<std::string>() << ": EA " << rounded(thread["stiffness_N"])
-        << " N, friction " << rounded(thread["friction"]) << ", " << thread["stitches"] << " stitches, "
-        << thread["bites"] << " bites, " << thread["knots"] << " knots";
-    if (thread.contains("strength_N")) out << ", breaks at " << rounded(thread["strength_N"]) << " N";
-    if (thread.contains("holds_N")) out << ", tissue holds " << rounded(thread["holds_N"]) << " N";
-    out << "\n";
-  }
-}
-
-void print_attachments(std::ostream& out, const ordered_json& attachments) {
-  for (const ordered_json& attachment : attachments) {
-    out << "attachment " << attachment["name"].get<std::string>() << ": " << attachment["strands"]
-        << (attachment["strands"] == 1 ? " strand" : " strands") << " of up to "
-        << rounded(attachment["longest_m"]) << " m";
-    if (attachment["area_m2"] > 0) out << " on " << rounded(attachment["area_m2"]) << " m²";
-    if (attachment.contains("torn_at_m"))
-      out << ", gives way from " << rounded(attachment["holds_until_m"]) << " m on, tears at "
-          << rounded(attachment["torn_at_m"]) << " m, " << rounded(attachment["fracture_energy_J"])
-          << " J in all";
-    else
-      out << ", does not tear";
-    out << "\n";
-  }
-}
-
 }  // namespace
 
 std::string describe_json(const Scene& scene, const Resolved& resolved) {
@@ -164,8 +137,12 @@ std::string describe(const Scene& scene, const Resolved& resolved) {
   print_regions(out, summary["regions"]);
   print_loads(out, summary);
   print_tools(out, summary["tools"]);
-  if (summary.contains("threads")) print_threads(out, summary["threads"]);
-  if (summary.contains("attachments")) print_attachments(out, summary["attachments"]);
+  for_each_kind(scene, [&]<class Force>(const std::vector<Force>& all) {
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      Force::print(summary[Force::key][i], out);
+      out << "\n";
+    }
+  });
   if (summary.contains("pace")) out << pace_lines(summary["pace"]);
   out << "run        " << rounded(scene.time.duration) << " s in frames of " << rounded(scene.time.frame)
       << " s, " << summary["integrator"].get<std::string>() << ", " << summary["precision"].get<std::string>()

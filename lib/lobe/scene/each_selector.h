@@ -41,11 +41,12 @@ void for_each_selector(SceneType& scene, const Visit& visit) {
   each(scene.tools, "/tools/", [&](auto& tool, const std::string& entry) {
     if (auto* where = tool.where()) visit(*where, selected_by(tool), entry, "/where");
   });
-  each(scene.attachments, "/attachments/", [&](auto& attachment, const std::string& entry) {
-    if (auto* bed = std::get_if<SceneBed>(&attachment.what)) {
-      visit(bed->from, Selects::faces, entry, "/bed/from");
-      if (bed->to) visit(*bed->to, Selects::faces, entry, "/bed/to");
-    }
+  for_each_kind(scene, [&](auto& all) {
+    using Force = typename std::remove_cvref_t<decltype(all)>::value_type;
+    each(all, "/" + std::string(Force::key) + "/", [&](auto& force, const std::string& entry) {
+      Force::for_each_selector(
+          force, [&](auto& selector, Selects what, const char* key) { visit(selector, what, entry, key); });
+    });
   });
   if (scene.auto_regions)
     each(scene.auto_regions->gestures, "/regions/auto/gestures/",

@@ -53,7 +53,13 @@ struct ListOf<std::vector<Item>> : std::true_type {};
 
 template <class... Rows, class Visit>
 void for_each_key(const Table<Rows...>& table, const Visit& visit) {
-  std::apply([&](const auto&... row) { (visit(row), ...); }, table.rows);
+  const auto each = [&](const auto& row) {
+    if constexpr (requires { row.rows; })
+      for_each_key(row, visit);  // a part of the table
+    else
+      visit(row);
+  };
+  std::apply([&](const auto&... row) { (each(row), ...); }, table.rows);
 }
 
 // ---- Reading, of a document that satisfies the schema.

@@ -250,8 +250,9 @@ Resolved resolve(const Scene& scene, TetMesh mesh, const ResolveOptions& options
   resolve_carriers(resolution);
   resolve_tools(resolution);
   resolve_contact(resolution);
-  resolve_threads(resolution);
-  resolve_attachments(resolution);
+  for_each_kind(scene, [&]<class Force>(const std::vector<Force>& all) {
+    if (!all.empty()) Force::resolve(all, resolution);
+  });
   resolve_gestures(resolution);
   if (!resolution.faults.empty()) throw InputError(std::move(resolution.faults));
   warn_of_bodies(resolution);

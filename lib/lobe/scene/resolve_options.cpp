@@ -34,11 +34,12 @@ std::vector<std::string> places_of_force_terms(const Scene& scene) {
     return std::visit([](const auto& kind) { return needs_force_term(kind); }, tool.kind);
   };
   const auto is_pressure = [](const Boundary& entry) { return entry.kind == Boundary::Kind::pressure; };
-  return joined(joined(places_in(scene.tools, "/tools", "type", pushes),
-                       places_in(scene.boundary, "/boundary", "pressure", is_pressure)),
-                joined(joined(place_if(scene.contact.is_on(), "/contact"),
-                              place_if(!scene.threads.empty(), "/threads")),
-                       place_if(!scene.attachments.empty(), "/attachments")));
+  std::vector<std::string> places =
+      joined(joined(places_in(scene.tools, "/tools", "type", pushes),
+                    places_in(scene.boundary, "/boundary", "pressure", is_pressure)),
+             place_if(scene.contact.is_on(), "/contact"));
+  for (const std::string& key : scene.force_keys()) places.push_back("/" + key);
+  return places;
 }
 
 // Where a scene asks for an option; nowhere if it does not.

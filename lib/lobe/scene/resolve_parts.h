@@ -57,8 +57,6 @@ void resolve_boundary(Resolution& resolution);
 void resolve_tools(Resolution& resolution);
 void warn_of_unheld_pieces(Resolution& resolution);
 void resolve_contact(Resolution& resolution);
-void resolve_threads(Resolution& resolution);
-void resolve_attachments(Resolution& resolution);
 void resolve_gestures(Resolution& resolution);
 void warn_of_units(Resolution& resolution);
 

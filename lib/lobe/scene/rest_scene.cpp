@@ -86,20 +86,15 @@ class Freezer {
 
 // Moves points that scenes give in the tissue at rest.
 void move_points(const TetMesh& image, const TetMesh& rest, Scene& scene) {
-  if (scene.threads.empty() && scene.attachments.empty()) return;
+  if (scene.force_keys().empty()) return;
   const Locator locator(image);
   const auto move = [&](Vec3d& p) {
     const Index tet = locator.nearest(p).tet;
     p = tet_points(rest, tet) * barycentric(image, tet, p);
   };
-  for (SceneThread& thread : scene.threads)
-    for (SceneStitch& stitch : thread.stitches)
-      for (Vec3d& p : stitch.through) move(p);
-  for (SceneAttachment& attachment : scene.attachments)
-    if (auto* ligament = std::get_if<SceneLigament>(&attachment.what)) {
-      move(ligament->from);
-      if (!ligament->ends_in_world) move(ligament->to);
-    }
+  for_each_kind(scene, [&](auto& all) {
+    for (auto& force : all) force.for_each_point(move);
+  });
 }
 
 bool statically_alike(const Setup& a, const Setup& b) {

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "lobe/fem/transverse_isotropy.h"
-#include "lobe/scene/selector.h"
+#include "lobe/scene/scene_forces.h"
 #include "lobe/setup/setup.h"
 #include "lobe/types.h"
 
@@ -196,48 +196,6 @@ struct Tool {
   }
 };
 
-// A length of thread that is drawn through points of the body at rest, and its knots.
-struct SceneTie {
-  double at = 0;                                     // [s]
-  double tighten = 0;                                // length by which the loop is drawn together [m]
-  double over = 0.2;                                 // time that this takes [s]
-  std::optional<std::array<Index, 2>> between = {};  // points of the stitch, from 0; none: first and last
-};
-struct SceneStitch {
-  std::vector<Vec3d> through;  // [m]
-  double at = 0;               // time at which it is sewn [s]
-  std::vector<SceneTie> ties;
-};
-struct SceneThread {
-  std::string name = "thread";
-  ThreadMaterial material;
-  std::vector<SceneStitch> stitches;
-  std::string pointer;
-};
-
-// A bed of strands between two parts of the surface, or a ligament between two points.
-struct SceneBed {
-  Selector from;                               // boundary faces
-  std::optional<Selector> to;                  // boundary faces; none: the world
-  double within = 0;                           // greatest length of strands [m]; 0: only where faces touch
-  double spacing = 0;                          // distance of strands, roughly [m]; 0: one per face
-  double stiffness = 0;                        // stiffness per area [Pa/m]
-  std::optional<double> fracture_energy = {};  // [J/m²]; none: it never tears
-};
-struct SceneLigament {
-  Vec3d from, to;                       // [m]
-  bool ends_in_world = false;           // the second point does not move
-  double stiffness = 0;                 // [N/m]
-  double slack = 0;                     // excess of its length over the way between its ends [m]
-  std::optional<double> strength = {};  // largest tension [N]; none: it never tears
-};
-struct SceneAttachment {
-  std::string name;
-  double softening = 3;  // elongation at which it has torn over that at which it begins to
-  std::variant<SceneBed, SceneLigament> what;
-  std::string pointer;
-};
-
 enum class Precision : std::uint8_t { single_precision, double_precision };
 
 struct Time {
@@ -263,7 +221,7 @@ struct Output {
   std::vector<double> pictures;  // times of PNG pictures [s]
 };
 
-struct Scene {
+struct Scene : SceneForces {
   // Implicit dynamics are always computed in double precision.
   bool in_double() const {
     return time.precision == Precision::double_precision || time.integrator == Integrator::generalised_alpha;
@@ -291,8 +249,6 @@ struct Scene {
   std::vector<Boundary> boundary;
   Vec3d gravity = Vec3d::Zero();  // [m/s²]
   std::vector<Tool> tools;
-  std::vector<SceneThread> threads;
-  std::vector<SceneAttachment> attachments;
   ContactSetup contact;
   std::vector<std::filesystem::path> obstacle_files;  // file of each obstacle's shape, as of a probe
   LoosePieces loose_pieces = LoosePieces::fall;

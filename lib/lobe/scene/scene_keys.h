@@ -27,6 +27,11 @@ struct Form<Tool> {
 
 inline constexpr auto has_one_mesh = [](const Scene& scene) { return scene.bodies.empty(); };
 
+template <class Force>
+constexpr auto key_of(std::vector<Force> SceneForces::*all) {
+  return Key(Force::key, all, any, Force::sentence);
+}
+
 inline constexpr auto scene_keys = Table(
     "", "",
 
@@ -64,9 +69,7 @@ inline constexpr auto scene_keys = Table(
     Key("boundary", &Scene::boundary, any, "what is held, and what is loaded"),
     Key("gravity", &Scene::gravity, any.in("m/s²"), "body force per mass"),
     Key("tools", &Scene::tools, any, "instruments that act while the scene runs"),
-    Key("threads", &Scene::threads, any, "threads with which the body is sewn"),
-    Key("attachments", &Scene::attachments, any,
-        "tissue that ties organs to each other or to the world, and tears: beds and ligaments"),
+    std::apply([](auto... all) { return Table("", "", key_of(all)...); }, SceneForces::fields),
     Key("contact", &Scene::contact, any.derived(),
         "how the body touches itself and what stands around it. Probes touch it in any case"),
     Key("loose_pieces", &Scene::loose_pieces, any,

@@ -159,48 +159,6 @@ ordered_json summarise_tools(const Scene& scene, const Setup& setup) {
   return list;
 }
 
-ordered_json summarise_threads(const Scene& scene) {
-  ordered_json list = ordered_json::array();
-  for (const SceneThread& thread : scene.threads) {
-    std::size_t bites = 0, knots = 0;
-    for (const SceneStitch& stitch : thread.stitches) {
-      bites += stitch.through.size();
-      knots += stitch.ties.size();
-    }
-    ordered_json& entry = list.emplace_back(ordered_json{{"name", thread.name},
-                                                         {"stiffness_N", thread.material.stiffness},
-                                                         {"friction", thread.material.friction},
-                                                         {"stitches", thread.stitches.size()},
-                                                         {"bites", bites},
-                                                         {"knots", knots}});
-    if (thread.material.strength < unlimited) entry["strength_N"] = thread.material.strength;
-    if (thread.material.holds < unlimited) entry["holds_N"] = thread.material.holds;
-  }
-  return list;
-}
-
-ordered_json summarise_attachments(const Setup& setup) {
-  ordered_json list = ordered_json::array();
-  for (const AttachmentSetup& attachment : setup.attachments) {
-    double area = 0, energy = 0, longest = 0;
-    for (const StrandSetup& strand : attachment.strands) {
-      area += strand.area;
-      energy += strand.stiffness / 2 * attachment.softening * std::pow(attachment.holds_until, 2);
-      longest = std::max(longest, strand.length);
-    }
-    ordered_json& entry = list.emplace_back(ordered_json{{"name", attachment.name},
-                                                         {"strands", attachment.strands.size()},
-                                                         {"area_m2", area},
-                                                         {"longest_m", longest}});
-    if (std::isfinite(attachment.holds_until)) {
-      entry["holds_until_m"] = attachment.holds_until;
-      entry["torn_at_m"] = attachment.softening * attachment.holds_until;
-      entry["fracture_energy_J"] = energy;
-    }
-  }
-  return list;
-}
-
 }  // namespace
 
 ordered_json summarise(const Scene& scene, const Resolved& resolved) {
@@ -226,8 +184,10 @@ ordered_json summarise(const Scene& scene, const Resolved& resolved) {
   if (!setup.partly_held.empty()) summary["partly_held_vertices"] = setup.partly_held.size();
   summary["loads"] = summarise_loads(setup);
   summary["tools"] = summarise_tools(scene, setup);
-  if (!scene.threads.empty()) summary["threads"] = summarise_threads(scene);
-  if (!setup.attachments.empty()) summary["attachments"] = summarise_attachments(setup);
+  for_each_kind(scene, [&]<class Force>(const std::vector<Force>& all) {
+    for (std::size_t i = 0; i < all.size(); ++i)
+      summary[Force::key].push_back(all[i].template summary<ordered_json>(setup, i));
+  });
   if (const auto pace = summarise_pace(scene, resolved); !pace.is_null()) summary["pace"] = pace;
   summary["duration_s"] = scene.time.duration;
   summary["frame_s"] = scene.time.frame;

@@ -1,4 +1,6 @@
 #include <cmath>
+#include <nlohmann/json.hpp>
+#include <ostream>
 
 #include "lobe/forces/embedded.h"
 #include "lobe/scene/resolve_parts.h"
@@ -84,12 +86,38 @@ class ThreadResolver {
 
 }  // namespace
 
-void resolve_threads(Resolution& resolution) {
-  const std::vector<SceneThread>& threads = resolution.scene.threads;
-  if (threads.empty()) return;
+void SceneThread::resolve(const std::vector<SceneThread>& all, Resolution& resolution) {
   ThreadResolver resolver(resolution);
-  for (std::size_t i = 0; i < threads.size(); ++i)
-    resolver.resolve(threads[i], "/threads/" + std::to_string(i));
+  for (std::size_t i = 0; i < all.size(); ++i) resolver.resolve(all[i], "/threads/" + std::to_string(i));
 }
+
+template <class Json>
+Json SceneThread::summary(const Setup&, std::size_t) const {
+  std::size_t bites = 0, knots = 0;
+  for (const SceneStitch& stitch : stitches) {
+    bites += stitch.through.size();
+    knots += stitch.ties.size();
+  }
+  Json entry = {{"name", name},
+                {"stiffness_N", material.stiffness},
+                {"friction", material.friction},
+                {"stitches", stitches.size()},
+                {"bites", bites},
+                {"knots", knots}};
+  if (material.strength < unlimited) entry["strength_N"] = material.strength;
+  if (material.holds < unlimited) entry["holds_N"] = material.holds;
+  return entry;
+}
+template nlohmann::ordered_json SceneThread::summary(const Setup&, std::size_t) const;
+
+template <class Json>
+void SceneThread::print(const Json& thread, std::ostream& out) {
+  out << "thread     " << thread["name"].template get<std::string>() << ": EA "
+      << rounded(thread["stiffness_N"]) << " N, friction " << rounded(thread["friction"]) << ", "
+      << thread["stitches"] << " stitches, " << thread["bites"] << " bites, " << thread["knots"] << " knots";
+  if (thread.contains("strength_N")) out << ", breaks at " << rounded(thread["strength_N"]) << " N";
+  if (thread.contains("holds_N")) out << ", tissue holds " << rounded(thread["holds_N"]) << " N";
+}
+template void SceneThread::print(const nlohmann::ordered_json&, std::ostream&);
 
 }  // namespace lobe

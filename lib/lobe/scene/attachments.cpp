@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <nlohmann/json.hpp>
 #include <optional>
+#include <ostream>
 
 #include "lobe/cut/distance.h"
 #include "lobe/diagnostics/locate.h"
@@ -222,12 +224,43 @@ class AttachmentResolver {
 
 }  // namespace
 
-void resolve_attachments(Resolution& resolution) {
-  const std::vector<SceneAttachment>& attachments = resolution.scene.attachments;
-  if (attachments.empty()) return;
+void SceneAttachment::resolve(const std::vector<SceneAttachment>& all, Resolution& resolution) {
   AttachmentResolver resolver(resolution);
-  for (std::size_t i = 0; i < attachments.size(); ++i)
-    resolver.resolve(attachments[i], "/attachments/" + std::to_string(i));
+  for (std::size_t i = 0; i < all.size(); ++i) resolver.resolve(all[i], "/attachments/" + std::to_string(i));
 }
+
+template <class Json>
+Json SceneAttachment::summary(const Setup& setup, std::size_t number) const {
+  const AttachmentSetup& made = setup.attachments[number];
+  double area = 0, energy = 0, longest = 0;
+  for (const StrandSetup& strand : made.strands) {
+    area += strand.area;
+    energy += strand.stiffness / 2 * softening * std::pow(made.holds_until, 2);
+    longest = std::max(longest, strand.length);
+  }
+  Json entry = {{"name", name}, {"strands", made.strands.size()}, {"area_m2", area}, {"longest_m", longest}};
+  if (std::isfinite(made.holds_until)) {
+    entry["holds_until_m"] = made.holds_until;
+    entry["torn_at_m"] = softening * made.holds_until;
+    entry["fracture_energy_J"] = energy;
+  }
+  return entry;
+}
+template nlohmann::ordered_json SceneAttachment::summary(const Setup&, std::size_t) const;
+
+template <class Json>
+void SceneAttachment::print(const Json& attachment, std::ostream& out) {
+  out << "attachment " << attachment["name"].template get<std::string>() << ": " << attachment["strands"]
+      << (attachment["strands"] == 1 ? " strand" : " strands") << " of up to "
+      << rounded(attachment["longest_m"]) << " m";
+  if (attachment["area_m2"] > 0) out << " on " << rounded(attachment["area_m2"]) << " m²";
+  if (attachment.contains("torn_at_m"))
+    out << ", gives way from " << rounded(attachment["holds_until_m"]) << " m on, tears at "
+        << rounded(attachment["torn_at_m"]) << " m, " << rounded(attachment["fracture_energy_J"])
+        << " J in all";
+  else
+    out << ", does not tear";
+}
+template void SceneAttachment::print(const nlohmann::ordered_json&, std::ostream&);
 
 }  // namespace lobe

@@ -11,7 +11,7 @@
 //   forces/       what acts on a body: its regions, forces from outside
 //   cut/          tetrahedra that an instrument touches
 //   scalpel/      blades that divide tetrahedra into grains
-//   tool/         grasps, cauteries, scalpels and probes, on paths or moved by hand
+//   tool/         grasps, cauteries, scalpels, probes and needles, on paths or moved by hand
 //   contact/      contact with tools, with obstacles and of the body with itself
 //   time/         the explicit scheme: inertia, stable step, sleep, tangles
 //   organ/        a body that edits itself: cuts, changes of region, grasps, and what follows them
@@ -88,7 +88,7 @@
 //   driven vertex: a held vertex whose prescribed position moves.
 //   free vertex: a vertex that nothing holds.
 //   grasped vertex: a vertex that moves with a tool.
-//   tool: a grasp, a cautery, a scalpel, a probe or a clip applier, on a path or moved by hand.
+//   tool: a grasp, a cautery, a scalpel, a probe, a clip applier or a needle, on a path or moved by hand.
 //   grasp: a tool that takes hold of vertices and moves them.
 //   cautery: a tool that burns away the tetrahedra it touches.
 //   hook: a straight wire at the tip of a cautery, which burns all along.
@@ -140,6 +140,8 @@
 //   attachment: what ties bodies to each other or to the world, and may tear: a set of strands.
 //   strand: a straight elastic connection between two points of the tissue, or from one to the world.
 //   bite: a point of the tissue through which a thread passes.
+//   needle: an arc that punctures the surface, guides the tissue that it goes through, and leaves bites.
+//   hold: a point of the tissue that is on a needle: an entry, an exit, or one between them.
 //   bed: strands that cover a part of the surface.
 //   clip: two legs that hold a duct closed; a clip applier closes it.
 //   carrier: a body in which blood or bile flows, and which bleeds or leaks where it is cut.

@@ -167,9 +167,9 @@ TEST_CASE("pressure is refused in a precomputed region, and with the implicit in
         "/boundary/1: 2 faces under pressure are in a precomputed region, whose inside bears no load that "
         "follows it: make that part tensor-mass or nonlinear");
   CHECK(faults("{" + pressed + R"(, "time": {"integrator": "implicit"}})")
-            .starts_with(
-                "/boundary/1/pressure: a probe, a pressure, a thread, an attachment, a clip, a force term or "
-                "springs does not go with"));
+            .starts_with("/boundary/1/pressure: a probe, a needle, a pressure, a thread, an attachment, a "
+                         "clip, a force term or "
+                         "springs does not go with"));
 }
 
 TEST_CASE("a precomputed region must be held, and explicit") {

@@ -1,11 +1,12 @@
-// What is drawn as lines: threads with which the organ is sewn, and strands that tie bodies to each other.
-// They are seen through the tissue that they lie in, faintly.
+// What is drawn as lines: threads with which the organ is sewn, needles, and strands that tie bodies to each
+// other. They are seen through the tissue that they lie in, faintly.
 import * as THREE from './third_party/three-0.187.0/three.module.js';
 
 // By what draws them. Radii are of the organ's size, so that they are seen.
 const kinds = {
   threads: {colour: 0x5b3fb0, radius: 0.0035, ends: 2}, // dyed sutures; round ends, so that bends have no gap
   clips: {colour: 0xc9ced6, radius: 0.0026, ends: 2},
+  needles: {colour: 0xaeb6c2, radius: 0.0024, ends: 2},
   attachments: {colour: 0xe3d3a6, radius: 0.0018, ends: 0},
 };
 const torn = new THREE.Color(0x8d1f16);

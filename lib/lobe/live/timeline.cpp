@@ -10,7 +10,7 @@ namespace {
 
 template <class Real>
 constexpr io::Format format{
-    std::is_same_v<Real, float> ? "lobesesf" : "lobesesd", 14,
+    std::is_same_v<Real, float> ? "lobesesf" : "lobesesd", 15,
     std::is_same_v<Real, float> ? "saved session in single precision" : "saved session in double precision"};
 
 }  // namespace

@@ -4,6 +4,7 @@
 
 #include "lobe/contact/contact.h"
 #include "lobe/forces/applied_forces.h"
+#include "lobe/forces/needles.h"
 #include "lobe/forces/pressure.h"
 
 namespace lobe {
@@ -34,11 +35,16 @@ std::vector<KindOfTerm<Real>> all_kinds() {
        [](const Setup& setup, std::span<const ToolBody> tools) {
          return !tools.empty() || setup.contact.is_on();
        },
-       false}};
+       false},
+      {Needles<Real>::term_name,
+       [](const Setup&) -> NewTerm<Real> { return std::make_shared<Needles<Real>>(); },
+       [](const Setup&, std::span<const ToolBody>) { return false; }, false}};
   std::apply([&](auto... list) { (kinds.push_back(kind_of_term<Real>(list)), ...); }, ForceSetups::fields);
-  // Threads are the last: they predict the motion that all other forces give.
-  std::stable_partition(kinds.begin(), kinds.end(),
-                        [](const auto& kind) { return kind.name != StitchSetup::term; });
+  // Needles and threads are the last: they predict the motion that all forces before them give.
+  const auto moves_last = [](const KindOfTerm<Real>& kind) {
+    return kind.name == Needles<Real>::term_name || kind.name == StitchSetup::term;
+  };
+  std::stable_partition(kinds.begin(), kinds.end(), [&](const auto& kind) { return !moves_last(kind); });
   return kinds;
 }
 

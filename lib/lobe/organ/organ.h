@@ -19,6 +19,7 @@
 #include "lobe/cut/tet_groups.h"
 #include "lobe/forces/attachments.h"
 #include "lobe/forces/clips.h"
+#include "lobe/forces/needles.h"
 #include "lobe/forces/threads.h"
 #include "lobe/organ/change.h"
 #include "lobe/organ/display.h"
@@ -90,6 +91,12 @@ class Organ {
   bool grant(const Occasion& occasion);
   // Shows force terms the tools that exist in the frame; shows them the body.
   void show_tools(std::span<const ToolBody> bodies);
+  // Shows the term of needles those that sew between two times [s]. Returns the bites that needles have made
+  // since the last call, and draws a thread through one, which is made of the material if there is none of
+  // this number.
+  void show_needles(std::span<const NeedleBody> needles, double from, double to);
+  std::vector<NeedleBite> take_bites();
+  void sew(int thread, const ThreadMaterial& material, const EmbeddedPoint& point);
   void show_body();
   // Call it before terms are asked for forces or stiffness: they see the body that edits have left since they
   // saw it, as those of a restored organ do, and vertices that follow others where these now are.

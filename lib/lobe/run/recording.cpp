@@ -16,7 +16,7 @@
 namespace lobe {
 namespace {
 
-constexpr io::Format format{"loberec ", 18, "recording of a world"};
+constexpr io::Format format{"loberec ", 19, "recording of a world"};
 
 // Whether a command only says what tools do in the next frame. Such a command does not change the state.
 bool is_about_tools(const Command& command) {

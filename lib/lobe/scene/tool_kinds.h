@@ -4,6 +4,7 @@
 #include "lobe/scene/cautery_kind.h"
 #include "lobe/scene/clip_applier_kind.h"
 #include "lobe/scene/grasp_kind.h"
+#include "lobe/scene/needle_kind.h"
 #include "lobe/scene/probe_kind.h"
 #include "lobe/scene/scalpel_kind.h"
 #include "lobe/scene/scene_keys.h"

@@ -96,7 +96,7 @@ std::string name(Option option) {
     case Option::selective_mass:
       return "\"selective_mass\"";
     case Option::force_terms:
-      return "a probe, a pressure, a thread, an attachment, a clip, a force term or springs";
+      return "a probe, a needle, a pressure, a thread, an attachment, a clip, a force term or springs";
     case Option::implicit:
       return "\"integrator\": \"implicit\"";
     case Option::single_precision:

@@ -9,6 +9,7 @@
 
 #include "lobe/setup/embedded_point.h"
 #include "lobe/setup/force_setup.h"
+#include "lobe/setup/rigid_shape.h"
 
 namespace lobe {
 

@@ -12,6 +12,7 @@
 #include "lobe/setup/cautery_setup.h"
 #include "lobe/setup/clip_applier_setup.h"
 #include "lobe/setup/grasp_setup.h"
+#include "lobe/setup/needle_setup.h"
 #include "lobe/setup/probe_setup.h"
 #include "lobe/setup/scalpel_setup.h"
 
@@ -30,9 +31,10 @@ struct ToolSetups {
   std::vector<ScalpelSetup> scalpels;
   std::vector<ProbeSetup> probes;
   std::vector<ClipApplierSetup> clip_appliers;
+  std::vector<NeedleSetup> needles;
   static constexpr auto fields =
       std::tuple(&ToolSetups::grasps, &ToolSetups::cauteries, &ToolSetups::scalpels, &ToolSetups::probes,
-                 &ToolSetups::clip_appliers);
+                 &ToolSetups::clip_appliers, &ToolSetups::needles);
 };
 
 // Calls visit(list) for the list of each kind of tool, of ToolSetups or ToolLists (tool/tool_lists.h).

@@ -14,7 +14,7 @@ namespace lobe {
 namespace {
 
 template <class Real>
-constexpr io::Format format{std::is_same_v<Real, float> ? "lobestaf" : "lobestad", 31,
+constexpr io::Format format{std::is_same_v<Real, float> ? "lobestaf" : "lobestad", 32,
                             std::is_same_v<Real, float> ? "state of a world in single precision"
                                                         : "state of a world in double precision"};
 

@@ -211,6 +211,12 @@ std::vector<AttachmentFigures> attachment_figures(World<Real>& world) {
 }
 
 template <class Real>
+std::vector<NeedleFigures> needle_figures(World<Real>& world) {
+  const Needles<Real>* needles = term_of<Needles>(world.body().terms);
+  return needles ? needles->figures() : std::vector<NeedleFigures>{};
+}
+
+template <class Real>
 std::vector<ClipFigures> clip_figures(World<Real>& world) {
   Dynamics<Real>& body = world.body();
   const Clips<Real>* clips = term_of<Clips>(body.terms);
@@ -248,6 +254,8 @@ template std::vector<TermLines> term_lines(World<float>&);
 template std::vector<TermLines> term_lines(World<double>&);
 template std::vector<AttachmentFigures> attachment_figures(World<float>&);
 template std::vector<AttachmentFigures> attachment_figures(World<double>&);
+template std::vector<NeedleFigures> needle_figures(World<float>&);
+template std::vector<NeedleFigures> needle_figures(World<double>&);
 template std::vector<ClipFigures> clip_figures(World<float>&);
 template std::vector<ClipFigures> clip_figures(World<double>&);
 template std::vector<CarrierFigures> carrier_figures(World<float>&);

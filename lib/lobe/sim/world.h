@@ -133,6 +133,7 @@ class World {
   void begin_frame(double duration);
   void prepare_frame(double duration, Report& report);
   void play_tools(double duration, Report& report);
+  void sew();
   void cut(const BladeMove& move, Report& report);
   void advance_to(double end, Report& report);
   bool take_step(double dt, Report& report);
@@ -169,6 +170,9 @@ std::vector<TermLines> term_lines(World<Real>& world);
 // The attachments of a world, also those of which nothing is left; none: it has none.
 template <class Real>
 std::vector<AttachmentFigures> attachment_figures(World<Real>& world);
+// The needles that sew, as they were at the end of the last frame.
+template <class Real>
+std::vector<NeedleFigures> needle_figures(World<Real>& world);
 // The clips that were closed, those that have fallen off included.
 template <class Real>
 std::vector<ClipFigures> clip_figures(World<Real>& world);

@@ -181,6 +181,7 @@ void World<Real>::begin_frame(double duration) {
   tools_.begin_frame(time(), duration);
   for (const auto& term : body().terms) term->begin_frame(time(), duration);
   organ_.show_tools(tools_.bodies(time(), time() + duration));
+  organ_.show_needles(tools_.needles(time(), time() + duration), time(), time() + duration);
 }
 
 // Performs edits, tools and cuts at the start of a frame, and finds the step limit that follows from them.
@@ -292,6 +293,7 @@ void World<Real>::play_tools(double duration, Report& report) {
   HeldVertices now = held();
   if (tools_.update_grasps(time(), now, displacement, position, exists))
     report.tets_removed += organ_.grasp(now);
+  sew();
   const ToolWork work = tools_.work(time(), time() + duration);
   for (const ClipClosure& clip : work.clips) organ_.close(clip);
   for (const SweptVolume& volume : work.burnt) {
@@ -307,6 +309,16 @@ void World<Real>::play_tools(double duration, Report& report) {
   std::vector<Condition>& found = organ_.unreported().conditions;
   report.conditions.insert(report.conditions.end(), found.begin(), found.end());
   found.clear();
+}
+
+// Draws the threads of needles through the bites that these made in the last frame.
+template <class Real>
+void World<Real>::sew() {
+  for (const NeedleBite& bite : organ_.take_bites())
+    tools_.visit(bite.tool, [&](const auto& tool) {
+      if constexpr (requires { tool.thread; })
+        if (tool.thread) organ_.sew(*tool.thread, tool.material, bite.point);
+    });
 }
 
 template <class Real>

@@ -12,6 +12,7 @@
 //   paths()                         what has been done so far, as tools of a setup
 //   add_work(from, to, work)        what it does to the body between two times
 //   append_bodies(from, to, bodies) the rigid bodies with which it touches the body; only in kinds with some
+//   append_needles(from, to, needles) the needles with which it sews; only in kinds with some
 //   force, torque                   on the body; only in kinds with some
 //   cut_by(work, way, tip)          adds what its blade has cut in a step; only in kinds with a blade, whose
 //                                   pose is `pose`
@@ -26,6 +27,7 @@
 #include "lobe/tool/cautery.h"
 #include "lobe/tool/clip_applier.h"
 #include "lobe/tool/grasp.h"
+#include "lobe/tool/needle.h"
 #include "lobe/tool/probe.h"
 #include "lobe/tool/scalpel.h"
 
@@ -37,14 +39,16 @@ struct ToolLists {
   std::vector<Scalpel> scalpels;
   std::vector<Probe> probes;
   std::vector<ClipApplier> clip_appliers;
-  static constexpr auto fields = std::tuple(&ToolLists::grasps, &ToolLists::cauteries, &ToolLists::scalpels,
-                                            &ToolLists::probes, &ToolLists::clip_appliers);
+  std::vector<Needle> needles;
+  static constexpr auto fields =
+      std::tuple(&ToolLists::grasps, &ToolLists::cauteries, &ToolLists::scalpels, &ToolLists::probes,
+                 &ToolLists::clip_appliers, &ToolLists::needles);
 };
 
 // Moves a tool at constant speed, so that it is at the target at the end of the next frame.
 struct Lead {
   ToolId tool = 0;
-  ToolPose target;  // pose of its centre; for a scalpel and a cautery of its tip
+  ToolPose target;  // pose of its centre; for a scalpel and a cautery of its tip, for a needle of its circle
   bool operator==(const Lead&) const = default;
   static constexpr auto fields = std::tuple(&Lead::tool, &Lead::target);
 };
@@ -74,8 +78,8 @@ std::variant<typename Kind::Bring...> bring_one_of(
 using BringTool = decltype(bring_one_of(ToolLists::fields));                          // all but TakeHold
 
 // Recordings number them in this order: further ones come last.
-using ToolCommand =
-    std::variant<TakeHold, BringCautery, BringScalpel, BringProbe, Lead, SwitchTool, LetGo, BringClipApplier>;
+using ToolCommand = std::variant<TakeHold, BringCautery, BringScalpel, BringProbe, Lead, SwitchTool, LetGo,
+                                 BringClipApplier, BringNeedle>;
 
 // Whether tools of this kind cut with a blade.
 template <class Kind>

@@ -171,6 +171,15 @@ const std::vector<ToolBody>& Tools::bodies(double from, double to) {
   return bodies_;
 }
 
+const std::vector<NeedleBody>& Tools::needles(double from, double to) {
+  needles_.clear();
+  for_each_tool(lists_, [&](const auto& tool) {
+    if constexpr (requires { tool.append_needles(from, to, needles_); })
+      tool.append_needles(from, to, needles_);
+  });
+  return needles_;
+}
+
 // ---- A step
 
 void Tools::cut_by(ToolId id, const CutWork& work, const Vec3d& way, const Vec3d& tip) {

@@ -57,6 +57,7 @@ class Tools {
   ToolWork work(double from, double to) const;
   // The rigid bodies with which tools touch the organ between two times. Valid until tools change.
   const std::vector<ToolBody>& bodies(double from, double to);
+  const std::vector<NeedleBody>& needles(double from, double to);  // needles between two times, likewise
   void cut_by(ToolId id, const CutWork& work, const Vec3d& way, const Vec3d& tip);
 
   // ---- A step
@@ -131,6 +132,7 @@ class Tools {
   std::vector<Impulse> impulses_, impulses_of_part_;  // sums over the frame, and over the present part
   double time_felt_ = 0;                              // time in which impulses_ were found [s]
   std::vector<ToolBody> bodies_;
+  std::vector<NeedleBody> needles_;
 };
 
 template <class Bring>

@@ -44,7 +44,8 @@ class ThreadFeed {
                       {"bites", bites},
                       {"knots", knots},
                       {"cut", is_cut},
-                      {"held", thread.hand.holds},
+                      {"held", thread.hand.holds && !thread.is_on_needle()},
+                      {"needle", thread.hand.needle},
                       {"pull", hand_pull(thread)}});
     }
     return list;

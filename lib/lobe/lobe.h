@@ -145,7 +145,8 @@
 //   bed: strands that cover a part of the surface.
 //   clip: two legs that hold a duct closed; a clip applier closes it.
 //   carrier: a body in which blood or bile flows, and which bleeds or leaks where it is cut.
-//   event: what tore, broke, burnt, was clipped, bleeds or leaks in a frame, with its place and size.
+//   event: what tore, broke, burnt, was clipped or pierced, bleeds or leaks in a frame, with its place and
+//     size.
 //   grain: a part of a tetrahedron that a scalpel has cut.
 //   stroke: the path of a blade from where it begins to cut to where it stops.
 //   crumb: a tiny part that a blade would cut off; it stays attached.

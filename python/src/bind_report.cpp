@@ -28,10 +28,12 @@ void bind_condition(py::module_& module) {
 
 void bind_event(py::module_& module) {
   py::class_<Event>(module, "Event",
-                    "What tore, broke, burnt, was clipped, bleeds or leaks in a frame, and where.")
+                    "What tore, broke, burnt, was clipped or pierced, bleeds or leaks in a frame, and where.")
       .def_property_readonly(
           "kind", [](const Event& e) { return name(e.kind); },
-          "\"torn\", \"broken\", \"burnt\", \"clipped\", \"bleeding\" or \"leak\".")
+          "\"torn\", \"broken\", \"burnt\", \"clipped\", \"bleeding\", \"leak\", \"punctured\", \"exited\" "
+          "or "
+          "\"drawn_out\".")
       .def_readonly("time", &Event::time, "The simulated time at which it happened [s].")
       .def_property_readonly(
           "place",
@@ -41,7 +43,9 @@ void bind_event(py::module_& module) {
           "size", &Event::size,
           "Of torn: the area that came apart [m²]. Of broken: the tension of the thread [N]. Of "
           "burnt: the volume [m³].\nOf clipped: how far apart the legs found the tissue's faces [m]. Of "
-          "bleeding and leak: the open\narea [m²]. 0: it has none.")
+          "bleeding and leak: the open\narea [m²]. Of punctured and exited: the needle's force along the "
+          "normal "
+          "[N]. 0: it has none.")
       .def_readonly("text", &Event::text, "One line for people; empty if it only goes on.")
       .def("__repr__", [](const Event& e) {
         return "<lobe.Event: " + std::string(name(e.kind)) + (e.text.empty() ? "" : ": " + e.text) + ">";
@@ -86,7 +90,8 @@ void bind_report(py::module_& module) {
                     "lattice cells.")
       .def_readonly("conditions", &Report::conditions, "A list of Condition: what unusual things happened.")
       .def_readonly("events", &Report::events,
-                    "A list of Event: what tore, broke, burnt, was clipped, bleeds or leaks, and where.")
+                    "A list of Event: what tore, broke, burnt, was clipped or pierced, bleeds or leaks, and "
+                    "where.")
       .def("__repr__", &describe_report);
 }
 

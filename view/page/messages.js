@@ -6,7 +6,7 @@ const most = 3; // cards
 const betweenTexts = 250; // of a card that is said again and again [ms]
 // What the simulation puts right by itself.
 const quiet = /sub_stepped|unravelling|lumped|cache|went_back/;
-const good = /clipped/;
+const good = /clipped|punctured|exited/;
 const serious = /bleeding|leak|stands_still|failed|diverged|too_stiff|everything_cut|refused/;
 
 // For a surgeon; what the simulation says of it stands in the card's title, and in its place with details.
@@ -24,6 +24,9 @@ const words = {
   clip: 'The clip has closed on nothing.',
   clipped: 'A clip has closed.',
   bleeding: 'It bleeds: what was opened carries blood.',
+  punctured: 'The needle has gone in.',
+  exited: 'The needle has come out.',
+  drawn_out: 'The end of the thread was drawn out of the tissue: draw less far.',
   leak: 'Bile leaks: what was opened carries it.',
   too_stiff: 'This organ is too firm for the simulation to keep up. Coarser parts, or softer tissue, help.',
 };

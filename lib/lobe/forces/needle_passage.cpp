@@ -6,7 +6,7 @@
 namespace lobe {
 
 bool NeedlePassage::is_valid() const {
-  bool valid = (tip == Tip::free || at.is_valid()) && level.allFinite();
+  bool valid = (tip == Tip::free || at.is_valid()) && level.allFinite() && force.allFinite();
   for (const NeedleHold& hold : holds) valid = valid && hold.is_valid();
   for (const EmbeddedPoint& bite : passed) valid = valid && bite.is_valid();
   return valid && (is_tip_inside() || holds.empty() || holds.back().kind == NeedleHold::Kind::exit) &&
@@ -48,14 +48,20 @@ void NeedlePassage::touch(const EmbeddedPoint& point, const Eigen::Vector4d& out
   tip = tip == Tip::inside ? Tip::leaving : Tip::pushing;
   at = point;
   level = outwards;
+  force.setZero();
 }
 
-void NeedlePassage::come_off() { tip = tip == Tip::leaving ? Tip::inside : Tip::free; }
+void NeedlePassage::come_off() {
+  tip = tip == Tip::leaving ? Tip::inside : Tip::free;
+  force.setZero();
+}
 
 void NeedlePassage::puncture() {
   if (!touches()) return;
   const bool enters = tip == Tip::pushing;
   holds.push_back({at, enters ? NeedleHold::Kind::entry : NeedleHold::Kind::exit});
+  holds.back().force = force;
+  force.setZero();
   tip = enters ? Tip::inside : Tip::free;
 }
 
@@ -73,6 +79,7 @@ void NeedlePassage::clear() {
   holds.clear();
   passed.clear();
   tip = Tip::free;
+  force.setZero();
 }
 
 // ---- After a step
@@ -132,7 +139,10 @@ void NeedlePassage::close_gaps(const std::vector<char>& is_gone, bool tip_is_gon
     begin = end;
   }
   holds = std::move(left);
-  if (tip_is_gone) tip = Tip::free;
+  if (tip_is_gone) {
+    tip = Tip::free;
+    force.setZero();
+  }
 }
 
 // ---- Where the tip meets the surface

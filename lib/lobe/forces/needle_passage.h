@@ -19,10 +19,14 @@ struct NeedleHold {
   EmbeddedPoint point;
   Kind kind = Kind::inside;
   double s = 0;  // its place on the needle [m]
-  int slip = 0;  // in the last step (NeedleGuide::Point)
-  bool is_valid() const { return point.is_valid() && std::isfinite(s) && slip >= -1 && slip <= 1; }
-  static constexpr auto fields =
-      std::tuple(&NeedleHold::point, &NeedleHold::kind, &NeedleHold::s, &NeedleHold::slip);
+  // In the last step: as in NeedleGuide::Point, and the force on the tissue [N].
+  int slip = 0;
+  Vec3d force = Vec3d::Zero();
+  bool is_valid() const {
+    return point.is_valid() && std::isfinite(s) && slip >= -1 && slip <= 1 && force.allFinite();
+  }
+  static constexpr auto fields = std::tuple(&NeedleHold::point, &NeedleHold::kind, &NeedleHold::s,
+                                            &NeedleHold::slip, &NeedleHold::force);
 };
 
 class NeedlePassage {
@@ -42,6 +46,7 @@ class NeedlePassage {
   EmbeddedPoint at;
   // On the surface: a linear function that is level on it and grows outwards, by its values at the corners.
   Eigen::Vector4d level = Eigen::Vector4d::Zero();
+  Vec3d force = Vec3d::Zero();        // on the surface that it touches, in the last step [N]
   std::vector<EmbeddedPoint> passed;  // bites that the needle's end has gone through, in their order
 
   bool is_in_tissue() const { return !holds.empty() || tip != Tip::free; }
@@ -77,8 +82,9 @@ class NeedlePassage {
   // Takes the needle out of the tissue, as if it had never been there.
   void clear();
 
-  static constexpr auto fields = std::tuple(&NeedlePassage::holds, &NeedlePassage::tip, &NeedlePassage::at,
-                                            &NeedlePassage::level, &NeedlePassage::passed);
+  static constexpr auto fields =
+      std::tuple(&NeedlePassage::holds, &NeedlePassage::tip, &NeedlePassage::at, &NeedlePassage::level,
+                 &NeedlePassage::force, &NeedlePassage::passed);
 
  private:
   bool is_tip_inside() const { return tip == Tip::inside || tip == Tip::leaving; }

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "lobe/error.h"
+#include "lobe/text.h"
 #include "lobe/tool/paths.h"
 
 namespace lobe {
@@ -51,6 +52,25 @@ bool Needles<Real>::see(std::span<const NeedleBody> bodies, double from, double 
   scratch_.resize(state_.needles.size());
   std::sort(there.begin(), there.end());
   return std::exchange(there_, there) != there;
+}
+
+template <class Real>
+std::optional<NeedleEnd> Needles<Real>::end_of(int tool, double from, double to) const {
+  for (const Needle& needle : state_.needles) {
+    if (needle.tool != tool || needle.path.empty()) continue;
+    const NeedleShape& shape = needle.settings.shape;
+    const NeedlePose last = needle.pose(to);
+    NeedleEnd end{tool, needle.pose(from).place(shape, shape.length()), last.place(shape, shape.length())};
+    end.arm = end.to - last.centre;
+    return end;
+  }
+  return {};
+}
+
+template <class Real>
+bool Needles<Real>::is_there(int tool, double time) const {
+  return std::any_of(state_.needles.begin(), state_.needles.end(),
+                     [&](const Needle& needle) { return needle.tool == tool && needle.is_there(time); });
 }
 
 template <class Real>
@@ -132,61 +152,70 @@ template <class Real>
 void Needles<Real>::solve(Needle& needle, Scratch& scratch, const At& at, const Mat3X<Real>& f) {
   NeedlePassage& passage = needle.passage;
   scratch.punctures = false;
-  scratch.pressed = 0;
   for (int i = 0; i < 2; ++i) {
     place(needle, scratch, at, at.time + at.kick.dt, &f);
     scratch.guide.solve(at.kick.dt, at.kick.push);
     if (!passage.touches()) return;
     const double sign = passage.tip == NeedlePassage::Tip::leaving ? 1 : -1;
-    scratch.pressed = sign * scratch.guide.points().back().force.dot(outwards(passage, at));
-    scratch.punctures = scratch.pressed >= needle.settings.puncture;
-    if (scratch.pressed >= 0) return;
-    scratch.pressed = 0;
+    needle.pressed = sign * scratch.guide.points().back().force.dot(outwards(passage, at));
+    scratch.punctures = needle.pressed >= needle.settings.puncture;
+    if (needle.pressed >= 0) return;
+    needle.pressed = 0;
     passage.come_off();
   }
 }
 
 template <class Real>
-void Needles<Real>::add(const Needle& needle, Scratch& scratch, const At& at, Mat3X<Real>& f) {
-  const NeedlePassage& passage = needle.passage;
-  OnTool& total = scratch.on_tool;
+void Needles<Real>::add(Needle& needle, const Scratch& scratch, const At& at, Mat3X<Real>& f) {
+  NeedlePassage& passage = needle.passage;
   const Vec3d centre = path_at(needle.path, at.time);
   const std::vector<NeedleGuide::Point>& points = scratch.guide.points();
   for (std::size_t i = 0; i < points.size(); ++i) {
-    const EmbeddedPoint& where = i < passage.holds.size() ? passage.holds[i].point : passage.at;
-    add_force(where, at.model.elements.topology, points[i].force, f);
-    total.force += points[i].force;
-    total.torque += (points[i].c - centre).cross(points[i].force);
+    const Vec3d& force = points[i].force;
+    const bool is_hold = i < passage.holds.size();
+    (is_hold ? passage.holds[i].force : passage.force) = force;
+    add_force(is_hold ? passage.holds[i].point : passage.at, at.model.elements.topology, force, f);
+    needle.force += force;
+    needle.torque += (points[i].c - centre).cross(force);
   }
-  if (needle.tool > 0) on_tools_.push_back(total);
+  if (needle.tool > 0)
+    on_tools_.push_back({.tool = needle.tool, .force = needle.force, .torque = needle.torque});
+}
+
+// Outside of steps the forces are those of the last one: springs so stiff are no part of what limits the step.
+template <class Real>
+void Needles<Real>::add_last(const Needle& needle, const At& at, Mat3X<Real>& f) const {
+  const NeedlePassage& passage = needle.passage;
+  const Topology& topology = at.model.elements.topology;
+  for (const NeedleHold& hold : passage.holds) add_force(hold.point, topology, hold.force, f);
+  if (passage.touches()) add_force(passage.at, topology, passage.force, f);
 }
 
 template <class Real>
 void Needles<Real>::add_forces(const At& at, Mat3X<Real>& f) {
   on_tools_.clear();
-  const bool is_step = at.kick.dt > 0;
+  is_solved_ = at.kick.dt > 0;
+  if (is_solved_) time_ = at.time;
   scratch_.resize(state_.needles.size());
   for (std::size_t i = 0; i < state_.needles.size(); ++i) {
     Needle& needle = state_.needles[i];
-    Scratch& scratch = scratch_[i];
-    scratch.guide.points().clear();
-    scratch.on_tool = {needle.tool};
-    if (!needle.is_there(at.time)) {
-      if (is_step) needle.passage.clear();
+    if (!is_solved_) {
+      add_last(needle, at, f);
       continue;
     }
-    if (is_step) move_tip(needle, scratch, at, f);
-    if (!needle.passage.is_in_tissue()) continue;
-    if (is_step) {
-      solve(needle, scratch, at, f);
-    } else {
-      place(needle, scratch, at, at.time, nullptr);
-      for (NeedleGuide::Point& point : scratch.guide.points())
-        point.force = NeedleGuide::force_at_rest(point);
+    Scratch& scratch = scratch_[i];
+    scratch.guide.points().clear();
+    needle.force = needle.torque = Vec3d::Zero();
+    needle.pressed = 0;
+    if (!needle.is_there(at.time)) {
+      needle.passage.clear();
+      continue;
     }
+    move_tip(needle, scratch, at, f);
+    if (!needle.passage.is_in_tissue()) continue;
+    solve(needle, scratch, at, f);
     add(needle, scratch, at, f);
   }
-  is_solved_ = is_step;
 }
 
 template <class Real>
@@ -230,7 +259,6 @@ void Needles<Real>::take_back_steps() {
   is_solved_ = false;
 }
 
-// A force that falls as a surface gives way has stored F²/2k along the needle.
 template <class Real>
 void Needles<Real>::end_step(double, double) {
   if (!std::exchange(is_solved_, false)) return;
@@ -246,16 +274,30 @@ void Needles<Real>::end_step(double, double) {
       passage.holds[i].s += points[i].slipped;
       passage.holds[i].slip = points[i].slip;
     }
-    if (scratch.punctures) {
-      const double along = points.back().force.dot(points.back().along);
-      state_.ledger.puncture += along * along / (2 * NeedleGuide::stiffness);
-      passage.puncture();
-    }
+    if (scratch.punctures) puncture(state_.needles[n], scratch);
     passage.pass_end(state_.needles[n].settings.shape);
     for (const EmbeddedPoint& bite : std::exchange(passage.passed, {}))
       state_.bites.push_back({state_.needles[n].tool, bite});
     passage.draw_back();
   }
+}
+
+// A force that falls as a surface gives way has stored F²/2k along the needle.
+template <class Real>
+void Needles<Real>::puncture(Needle& needle, const Scratch& scratch) {
+  const NeedleGuide::Point& tip = scratch.guide.points().back();
+  const double along = tip.force.dot(tip.along);
+  state_.ledger.puncture += along * along / (2 * NeedleGuide::stiffness);
+  const bool enters = needle.passage.tip == NeedlePassage::Tip::pushing;
+  report(enters ? Event::Kind::punctured : Event::Kind::exited, needle, tip.c, needle.pressed);
+  needle.passage.puncture();
+}
+
+template <class Real>
+void Needles<Real>::report(Event::Kind kind, const Needle& needle, const Vec3d& place, double size) {
+  const std::string with = size > 0 ? ", at " + rounded(size) + " N" : "";
+  const std::string what = kind == Event::Kind::punctured ? "has gone in" : "has come out";
+  state_.events.push_back({kind, time_, place, size, "needle \"" + needle.name + "\" " + what + with});
 }
 
 template class Needles<float>;

@@ -18,6 +18,7 @@
 #include "lobe/forces/force_term.h"
 #include "lobe/forces/needle_guide.h"
 #include "lobe/forces/needle_passage.h"
+#include "lobe/forces/thread.h"
 #include "lobe/tool/needle_body.h"
 
 namespace lobe {
@@ -67,6 +68,10 @@ class Needles : public ForceTerm<Real> {
   // The bites since the last call, in their order.
   std::vector<NeedleBite> take_bites() { return std::exchange(state_.bites, {}); }
   bool has_bites() const { return !state_.bites.empty(); }
+  // The end of a needle from one time to another, in the frame of see() [s]; none: see() had no needle of
+  // this tool.
+  std::optional<NeedleEnd> end_of(int tool, double from, double to) const;
+  bool is_there(int tool, double time) const;
   std::vector<NeedleFigures> figures() const;
   const NeedleLedger& ledger() const { return state_.ledger; }
 
@@ -86,6 +91,7 @@ class Needles : public ForceTerm<Real> {
   void end_step(double farthest, double dt) override;
   void follow(const Topology& topology, const MeshEdit& edit) override;
   void follow_grains(const Elements& elements, const Grains& grains, const MeshEdit& edit) override;
+  std::vector<Event> take_events() override { return std::exchange(state_.events, {}); }
   std::vector<TermLines> lines(const At& at) const override;
   std::string save() const override;
   void load(const std::string& saved, Index vertices) override;
@@ -98,17 +104,21 @@ class Needles : public ForceTerm<Real> {
     double appears = 0, goes = 0;  // [s]
     std::vector<PathPoint> path;   // rows around the frame
     NeedlePassage passage;
+    // Of the last step, as in NeedleFigures.
+    Vec3d force = Vec3d::Zero(), torque = Vec3d::Zero();
+    double pressed = 0;
     bool is_there(double time) const;
     NeedlePose pose(double time) const;
     double spacing() const { return settings.shape.length() / 8; }  // of holds inside [m]
     bool is_valid() const;
     static constexpr auto fields =
         std::tuple(&Needle::tool, &Needle::name, &Needle::settings, &Needle::appears, &Needle::goes,
-                   &Needle::path, &Needle::passage);
+                   &Needle::path, &Needle::passage, &Needle::force, &Needle::torque, &Needle::pressed);
   };
   struct State {
     std::vector<Needle> needles;  // in ascending order of tools
     std::vector<NeedleBite> bites;
+    std::vector<Event> events;
     NeedleLedger ledger;
     std::vector<Index> near;  // vertices on which they may act until the next frame, ascending
   };
@@ -123,20 +133,21 @@ class Needles : public ForceTerm<Real> {
     std::vector<Candidate> candidates;  // in the order of their owners
     std::vector<double> lengths;
     std::vector<Vec3d> ways;  // of the needle at each point in the step [m]
-    double pressed = 0;       // force of the tip along the normal of the surface that it touches [N]
     bool punctures = false;
-    OnTool on_tool;
   };
 
   void find_candidates(const Needle& needle, const SurfaceMesh& surface, const At& at, Scratch& scratch);
   void find_near(const Needle& needle, const Scratch& scratch, const At& at);
   Eigen::AlignedBox3d reach_of_tip(const Needle& needle) const;
   void move_tip(Needle& needle, Scratch& scratch, const At& at, const Mat3X<Real>& f);
-  void walk(Needle& needle, const NeedlePose& now, const At& at);
+  void walk(Needle& needle, const At& at);
   void seek_surface(Needle& needle, const Scratch& scratch, const At& at, const Mat3X<Real>& f);
   void solve(Needle& needle, Scratch& scratch, const At& at, const Mat3X<Real>& f);
   void place(const Needle& needle, Scratch& scratch, const At& at, double time, const Mat3X<Real>* f);
-  void add(const Needle& needle, Scratch& scratch, const At& at, Mat3X<Real>& f);
+  void add(Needle& needle, const Scratch& scratch, const At& at, Mat3X<Real>& f);
+  void add_last(const Needle& needle, const At& at, Mat3X<Real>& f) const;
+  void puncture(Needle& needle, const Scratch& scratch);
+  void report(Event::Kind kind, const Needle& needle, const Vec3d& place, double size);
   Vec3d mobility(const EmbeddedPoint& p, const EmbeddedPoint& q, const Topology& topology) const;
   Vec3d end_velocity(Index vertex, const At& at, const Mat3X<Real>& f) const;
   Vec3d outwards(const NeedlePassage& passage, const At& at) const;
@@ -149,7 +160,7 @@ class Needles : public ForceTerm<Real> {
   std::uint64_t seen_structure_ = ~std::uint64_t(0), seen_inertia_ = ~std::uint64_t(0);  // their revisions
   const Grains* grains_ = nullptr;
   const SurfaceMesh* surface_ = nullptr;  // from see_body() until look_ahead()
-  double from_ = 0, to_ = 0;              // the frame [s]
+  double from_ = 0, to_ = 0, time_ = 0;   // the frame, the last step [s]
   bool is_solved_ = false;
 };
 

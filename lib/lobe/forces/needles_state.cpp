@@ -40,7 +40,8 @@ void Needles<Real>::follow_grains(const Elements& elements, const Grains& grains
 template <class Real>
 bool Needles<Real>::Needle::is_valid() const {
   return settings.is_valid() && is_path(path) && passage.is_valid() &&
-         passage.holds.size() <= std::size_t(NeedleGuide::most);
+         passage.holds.size() <= std::size_t(NeedleGuide::most) && force.allFinite() && torque.allFinite() &&
+         std::isfinite(pressed) && pressed >= 0;
 }
 
 template <class Real>
@@ -48,6 +49,7 @@ std::string Needles<Real>::save() const {
   io::ByteWriter out;
   io::put(out, state_.needles);
   io::put(out, state_.bites);
+  io::put(out, state_.events);
   io::put(out, state_.ledger);
   io::put(out, state_.near);
   io::put(out, there_);
@@ -63,6 +65,7 @@ void Needles<Real>::load(const std::string& saved, Index vertices) {
   for (std::size_t i = 1; i < found.needles.size(); ++i)
     in.expect(found.needles[i].tool > found.needles[i - 1].tool);
   io::get(in, found.bites);
+  io::get(in, found.events);
   io::get(in, found.ledger);
   io::get(in, found.near);
   for (const Index v : found.near) in.expect(v >= 0 && v < vertices);
@@ -79,8 +82,7 @@ void Needles<Real>::load(const std::string& saved, Index vertices) {
 template <class Real>
 std::vector<NeedleFigures> Needles<Real>::figures() const {
   std::vector<NeedleFigures> all;
-  for (std::size_t i = 0; i < state_.needles.size(); ++i) {
-    const Needle& needle = state_.needles[i];
+  for (const Needle& needle : state_.needles) {
     const NeedlePassage& passage = needle.passage;
     NeedleFigures& own = all.emplace_back();
     own.tool = needle.tool;
@@ -93,10 +95,9 @@ std::vector<NeedleFigures> Needles<Real>::figures() const {
       own.exits += hold.kind == NeedleHold::Kind::exit;
       own.holds.push_back(hold.point);
     }
-    if (i >= scratch_.size()) continue;
-    own.force = scratch_[i].on_tool.force;
-    own.torque = scratch_[i].on_tool.torque;
-    own.pressed = scratch_[i].pressed;
+    own.force = needle.force;
+    own.torque = needle.torque;
+    own.pressed = needle.pressed;
   }
   return all;
 }

@@ -161,23 +161,26 @@ void Needles<Real>::find_near(const Needle& needle, const Scratch& scratch, cons
 
 template <class Real>
 void Needles<Real>::move_tip(Needle& needle, Scratch& scratch, const At& at, const Mat3X<Real>& f) {
-  if (needle.passage.tip == Tip::inside) walk(needle, needle.pose(at.time), at);
+  if (needle.passage.tip == Tip::inside) walk(needle, at);
   if (!needle.passage.touches()) seek_surface(needle, scratch, at, f);
 }
 
 // Follows the tip through the tissue. If it is out of it without having touched the surface from inside, as
 // where that was cut open around it, it has come out; unless it was drawn back, which draw_back() sees.
 template <class Real>
-void Needles<Real>::walk(Needle& needle, const NeedlePose& now, const At& at) {
+void Needles<Real>::walk(Needle& needle, const At& at) {
   NeedlePassage& passage = needle.passage;
   const NeedleShape& shape = needle.settings.shape;
   const Elements& elements = at.model.elements;
+  const NeedlePose now = needle.pose(at.time);
   const Vec3d tip = now.place(shape, 0);
   const EmbeddedPoint moved = moved_through(passage.at, tip, elements, grains_, at.u);
   if (moved.tet >= 0)
     passage.go_to(moved, needle.spacing(), most_with_inside);
-  else if ((tip - position(passage.at, elements, at.u)).dot(now.forward(shape, 0)) > 0)
+  else if ((tip - position(passage.at, elements, at.u)).dot(now.forward(shape, 0)) > 0) {
     passage.come_out();
+    report(Event::Kind::exited, needle, tip, 0);
+  }
 }
 
 // Finds where the tip meets the surface first in the step, on its way forward through the tissue.

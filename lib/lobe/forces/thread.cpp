@@ -12,18 +12,24 @@ Thread planned(const StitchSetup& stitch, int number) {
   thread.name = stitch.name;
   thread.material = stitch.material;
   thread.at = stitch.at;
-  thread.plans = stitch.ties;
-  std::stable_sort(thread.plans.begin(), thread.plans.end(),
-                   [](const TieSetup& a, const TieSetup& b) { return a.at < b.at; });
+  thread.plan(stitch.ties);
   for (const EmbeddedPoint& point : stitch.bites) thread.bites.push_back({point, Index(thread.bites.size())});
   thread.spans.resize(thread.bites.size() - 1);
   return thread;
 }
 
+void Thread::plan(const std::vector<TieSetup>& ties) {
+  plans = ties;
+  std::stable_sort(plans.begin(), plans.end(),
+                   [](const TieSetup& a, const TieSetup& b) { return a.at < b.at; });
+}
+
 bool Thread::is_valid() const {
   const auto count = Index(bites.size());
   bool valid = spans.size() == (bites.empty() ? 0 : bites.size() - 1) && hand.from.allFinite() &&
-               hand.to.allFinite() && hand.target.allFinite() && (!hand.holds || !bites.empty());
+               hand.to.allFinite() && hand.target.allFinite() && (!hand.holds || !bites.empty()) &&
+               hand.needle >= 0 && (hand.needle == 0 || hand.holds) && hand.arm.allFinite() && length >= 0 &&
+               std::isfinite(length);
   Index number = -1;
   for (const ThreadBite& bite : bites) {
     valid = valid && bite.number > number && bite.number < std::numeric_limits<Index>::max();
@@ -45,10 +51,15 @@ Index Thread::find(Index number) const {
   return -1;
 }
 
+Index Thread::next_number() const {
+  return bites.empty() ? 0 : bites.back().number + 1;  // they ascend
+}
+
 void Thread::remove_bite(Index at) {
   const Index last = Index(bites.size()) - 1;
   const double before = at > 0 ? spans[std::size_t(at) - 1].length : 0,
                behind = at < last ? spans[std::size_t(at)].length : 0;
+  const bool leaves_needle = is_on_needle() && at == last && first_on_needle() == last;
   for (ThreadKnot& knot : knots) {  // what led to the bite stays in its loop
     if (at == knot.from) knot.closing.length += behind;
     if (at == knot.to) knot.closing.length += before;
@@ -70,15 +81,23 @@ void Thread::remove_bite(Index at) {
     if (at <= knot.to) --knot.to;
   }
   std::erase_if(knots, [](const ThreadKnot& knot) { return knot.to <= knot.from; });
+  if (leaves_needle) hand = {};
   if (bites.empty()) hand.holds = false;
 }
 
+// What is behind the cut stays on the needle.
 void Thread::cut_after(Index at) {
+  if (is_on_needle() && at >= first_on_needle()) {
+    length = hand.tail.length;
+    for (auto i = std::size_t(at); i < spans.size(); ++i) length += spans[i].length;
+  }
   std::erase_if(knots, [&](const ThreadKnot& knot) { return knot.from <= at && at < knot.to; });
   if (at < Index(spans.size()))
     spans[std::size_t(at)].is_cut = true;
-  else
+  else {
     hand.holds = false;
+    hand.needle = 0;
+  }
 }
 
 void Thread::tie(Index from, Index to, double closing, double tighten, double over) {
@@ -93,7 +112,50 @@ void Thread::tie(Index from, Index to, double closing, double tighten, double ov
   const auto after =
       std::find_if(knots.begin(), knots.end(), [&](const ThreadKnot& other) { return other.from >= to; });
   knots.insert(after, knot);
-  hand.holds = false;
+  if (!is_on_needle()) hand.holds = false;
+}
+
+// ---- On a needle
+
+Index Thread::first_on_needle() const {
+  auto first = Index(spans.size());
+  while (first > 0 && !spans[std::size_t(first) - 1].is_cut) --first;
+  return first;
+}
+
+bool Thread::runs_through() const {
+  return is_on_needle() && (knots.empty() || knots.back().to < first_on_needle());
+}
+
+double Thread::free_length() const {
+  double left = length - hand.tail.length;
+  for (auto i = std::size_t(first_on_needle()); i < spans.size(); ++i) left -= spans[i].length;
+  return left;
+}
+
+Index Thread::draw_through(double way, const std::vector<double>& ways) {
+  const auto first = std::size_t(first_on_needle());
+  double drawn = std::max(0.0, way - hand.tail.length);  // out of the span before
+  hand.tail.length += drawn;
+  for (std::size_t i = spans.size(); i-- > first;) {
+    const double left = spans[i].length - drawn;
+    drawn = std::max(0.0, ways[i] - left);
+    spans[i].length = left + drawn;
+    spans[i].tension = 0;
+    spans[i].slip = 0;
+  }
+  hand.tail.tension = 0;
+  Index slipped = -1;
+  while (is_on_needle() && free_length() < 0) {
+    slipped = bites[std::size_t(first_on_needle())].number;
+    remove_bite(first_on_needle());
+  }
+  return slipped;
+}
+
+void Thread::leave_needle() {
+  hand = {};
+  length = 0;
 }
 
 std::string Thread::fault_of_tie(Index from, Index to) const {

@@ -87,7 +87,7 @@ void Threads<Real>::add_cables_of(std::size_t number) {
     add(true);
     end = knot.to;
   }
-  if (!thread.hand.holds) return;
+  if (!thread.hand.holds || thread.runs_through()) return;
   const Index hand = cables_.add_point();
   sources_.push_back({number, -1, {}});
   if (end < 0) {
@@ -176,10 +176,14 @@ void Threads<Real>::place_points(const At& at, const Mat3X<Real>* f) {
 // Outside of steps the tensions are those of the last one.
 template <class Real>
 void Threads<Real>::add_forces(const At& at, Mat3X<Real>& f) {
+  on_tools_.clear();
   if (state_.threads.empty()) return;
   const bool is_step = at.kick.dt > 0;
   time_ = at.time;
   if (is_step) perform_plans(at);
+  if (is_step)
+    for (Thread& thread : state_.threads)
+      if (thread.runs_through()) draw_through(thread, at);
   arrange();
   if (cables_.empty()) return;
   place_points(at, is_step ? &f : nullptr);
@@ -202,6 +206,7 @@ void Threads<Real>::add_forces(const At& at, Mat3X<Real>& f) {
       source.moved =
           moved_through(place, Vec3d(point.x + point.way * point.along), at.model.elements, grains_, at.u);
   }
+  add_forces_on_tools();
 }
 
 template <class Real>
@@ -305,7 +310,7 @@ void Threads<Real>::break_threads() {
     if (!(tension > thread.material.strength) || source.thread == broken) continue;
     broken = source.thread;
     is_arranged_ = false;
-    std::string where = "in the hand";
+    std::string where = thread.is_on_needle() ? "at the needle" : "in the hand";
     if (source.after >= 0) {
       where = "after bite " + std::to_string(thread.bites[std::size_t(source.after)].number);
       thread.cut_after(source.after);
@@ -314,7 +319,7 @@ void Threads<Real>::break_threads() {
       if (std::erase_if(thread.knots, is_it) > 0)
         where = "at a knot";
       else
-        thread.hand.holds = false;
+        thread.cut_after(Index(thread.bites.size()) - 1);
     }
     const Vec3d place = cables_.points()[std::size_t(cables_.spans()[s].p)].x;
     report(Event::Kind::broken, thread, place, tension, "broke " + where + " at " + rounded(tension) + " N");

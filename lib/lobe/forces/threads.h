@@ -11,6 +11,7 @@
 #include "lobe/forces/embedded.h"
 #include "lobe/forces/force_term.h"
 #include "lobe/forces/thread.h"
+#include "lobe/setup/needle_setup.h"
 
 namespace lobe {
 
@@ -47,6 +48,15 @@ class Threads : public ForceTerm<Real> {
   void tie(int thread, Index from, Index to, double tighten, double over, const At& at);
   void cut(int thread, Index after);
 
+  // ---- What needles do to threads
+
+  // The end of a needle has passed the bite. If no needle has drawn the thread of this number, its length and
+  // knots are now these.
+  void bite_by_needle(const NeedleThread& by, const EmbeddedPoint& point, const NeedleEnd& end, const At& at);
+  std::vector<int> needles() const;  // tools at whose ends there are threads
+  void follow_needle(const NeedleEnd& end);
+  void leave_needle(int tool);
+
   const std::vector<Thread>& all() const { return state_.threads; }
   const ThreadLedger& ledger() const { return state_.ledger; }
   std::vector<ThreadLine> drawn(const At& at) const;
@@ -70,6 +80,7 @@ class Threads : public ForceTerm<Real> {
   void follow(const Topology& topology, const MeshEdit& edit) override;
   void follow_grains(const Elements& elements, const Grains& grains, const MeshEdit& edit) override;
   std::vector<Event> take_events() override { return std::exchange(state_.events, {}); }
+  std::span<const OnTool> on_tools() const override { return on_tools_; }
   std::vector<TermLines> lines(const At& at) const override;
   void add_to_setup(const Elements& elements, const CompactMesh& left, Setup& setup) const override;
   std::string save() const override;
@@ -94,6 +105,9 @@ class Threads : public ForceTerm<Real> {
   };
 
   Thread& find(int number);
+  Thread& find_for_bite(int number, const EmbeddedPoint& point, const At& at);
+  void draw_through(Thread& thread, const At& at);
+  void add_forces_on_tools();
   void perform_plans(const At& at);
   void sew(Thread& thread, const At& at);
   void tie_planned(Thread& thread, const TieSetup& plan, const At& at);
@@ -124,7 +138,9 @@ class Threads : public ForceTerm<Real> {
     Index bite;
     Vec3d place;  // [m]
   };
-  std::vector<Torn> torn_;                      // scratch
+  std::vector<Torn> torn_;    // scratch
+  std::vector<double> ways_;  // scratch
+  std::vector<OnTool> on_tools_;
   double time_ = 0, begin_ = 0, duration_ = 0;  // the last evaluation; the frame [s]
   double due_ = -unlimited;                     // time until which plans are to be done [s]
   bool is_arranged_ = false, is_coupled_ = false, is_solved_ = false, has_changed_ = false;

@@ -76,15 +76,20 @@ void Threads<Real>::bring(int number, const ThreadMaterial& material) {
 }
 
 template <class Real>
-void Threads<Real>::bite(int number, const EmbeddedPoint& point, const At& at) {
+Thread& Threads<Real>::find_for_bite(int number, const EmbeddedPoint& point, const At& at) {
   Thread& thread = find(number);
   if (!thread.is_sewn) refuse(thread, "is not sewn yet");
   if (!point.is_valid() || !exists(point, at.model.elements.topology))
     refuse(thread, "cannot pass tetrahedron " + std::to_string(point.tet) +
                        ": it does not exist, or the weights do not have the sum 1");
-  Index next = 0;
-  for (const ThreadBite& bite : thread.bites) next = std::max(next, bite.number + 1);
-  thread.bites.push_back({point, next});
+  return thread;
+}
+
+template <class Real>
+void Threads<Real>::bite(int number, const EmbeddedPoint& point, const At& at) {
+  Thread& thread = find_for_bite(number, point, at);
+  if (thread.is_on_needle()) refuse(thread, "is on a needle, which makes its bites");
+  thread.bites.push_back({point, thread.next_number()});
   const auto last = Index(thread.bites.size()) - 1;
   if (last > 0) {
     thread.spans.emplace_back().length = way_between(thread, last - 1, last, at);
@@ -105,7 +110,9 @@ void Threads<Real>::lengthen_to_fit(Thread& thread, Index from, Index to, const 
 
 template <class Real>
 bool Threads<Real>::lead(int number, const Vec3d& point) {
-  const auto is_led = [&](const Thread& thread) { return thread.number == number && thread.hand.holds; };
+  const auto is_led = [&](const Thread& thread) {
+    return thread.number == number && thread.hand.holds && !thread.is_on_needle();
+  };
   const auto thread = std::find_if(state_.threads.begin(), state_.threads.end(), is_led);
   if (thread == state_.threads.end() || !point.allFinite()) return false;
   thread->hand.target = point;
@@ -118,6 +125,7 @@ void Threads<Real>::pull(int number, bool on, const Vec3d& point, const At& at) 
   ThreadHand& hand = thread.hand;
   if (!point.allFinite()) refuse(thread, "is pulled to a point that is not finite");
   if (!thread.is_sewn || thread.bites.empty()) refuse(thread, "passes no tissue yet: it cannot be pulled");
+  if (thread.is_on_needle()) refuse(thread, "is on a needle, which draws it: cut it off, or take that away");
   if (on && lead(number, point)) return;
   if (on) {
     hand = {true, point, point, point, {}, {}};

@@ -78,7 +78,7 @@ std::vector<ThreadLine> Threads<Real>::drawn(const At& at) const {
       line.tensions.push_back(tension);
     };
     const Vec3d hand = hand_at(thread.hand, at.time);
-    const bool has_head = thread.hand.holds && thread.knots.empty();
+    const bool has_head = thread.hand.holds && thread.knots.empty() && !thread.is_on_needle();
     begin(has_head ? hand : place(thread.bites.front()));
     if (has_head) extend(place(thread.bites.front()), thread.hand.head.tension);
     for (std::size_t i = 0; i + 1 < thread.bites.size(); ++i) {

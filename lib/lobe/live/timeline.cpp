@@ -62,7 +62,7 @@ void Timeline<Real>::let_go_of_all() {
   std::vector<int> pulled;  // threads
   if (const Threads<Real>* threads = term_of<Threads>(world_.body().terms))
     for (const Thread& thread : threads->all())
-      if (thread.hand.holds) pulled.push_back(thread.number);
+      if (thread.hand.holds && !thread.is_on_needle()) pulled.push_back(thread.number);
   for (const int thread : pulled) apply(Pull{thread, false});
 }
 

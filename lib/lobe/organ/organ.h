@@ -91,12 +91,12 @@ class Organ {
   bool grant(const Occasion& occasion);
   // Shows force terms the tools that exist in the frame; shows them the body.
   void show_tools(std::span<const ToolBody> bodies);
-  // Shows the term of needles those that sew between two times [s]. Returns the bites that needles have made
-  // since the last call, and draws a thread through one, which is made of the material if there is none of
-  // this number.
+  // Shows the terms of needles and threads the needles that sew between two times [s]. Call sew() before, for
+  // the bites that needles have made since take_bites() was called last: draws a thread through one, which is
+  // made if there is none of this number.
   void show_needles(std::span<const NeedleBody> needles, double from, double to);
   std::vector<NeedleBite> take_bites();
-  void sew(int thread, const ThreadMaterial& material, const EmbeddedPoint& point);
+  void sew(const NeedleBite& bite, const NeedleThread& thread);
   void show_body();
   // Call it before terms are asked for forces or stiffness: they see the body that edits have left since they
   // saw it, as those of a restored organ do, and vertices that follow others where these now are.
@@ -261,6 +261,7 @@ class Organ {
     edit_terms({.velocities = true, .followers = true},
                [&] { change(static_cast<Term<Real>&>(own_term(Term<Real>::term_name))); });
   }
+  void check_bite(int thread, const EmbeddedPoint& point) const;
   void report_lost_forces(const std::vector<Index>& vertices);
 
   Setup setup_;  // loads, gravity, damping …; without the mesh and its materials

@@ -78,6 +78,6 @@ struct Report {
   Transitions transitions;                    // transitions of reduced regions since the last report
   std::array<double, phase_count> seconds{};  // wall time of each phase
   std::vector<Condition> conditions;
-  std::vector<Event> events;  // what tore, broke, burnt, was clipped, bleeds and leaks in the frame
+  std::vector<Event> events;  // what tore, broke, burnt, was clipped or pierced, bleeds and leaks
 };
 }  // namespace lobe

@@ -12,14 +12,18 @@ void Organ<Real>::perform(const BringThread& command) {
 }
 
 template <class Real>
-void Organ<Real>::perform(const Bite& command) {
-  const Index tet = command.point.tet;
-  check_tets({tet});
-  for (const Index v : elements().topology.corners(tet))
+void Organ<Real>::check_bite(int thread, const EmbeddedPoint& point) const {
+  check_tets({point.tet});
+  for (const Index v : elements().topology.corners(point.tet))
     if (body_.regions.is_interior(v) && body_.regions.follows(v))
-      throw InputError("thread " + std::to_string(command.thread),
-                       "cannot pass tetrahedron " + std::to_string(tet) +
+      throw InputError("thread " + std::to_string(thread),
+                       "cannot pass tetrahedron " + std::to_string(point.tet) +
                            ": it is inside of a precomputed region; expand that, or make it tensor-mass");
+}
+
+template <class Real>
+void Organ<Real>::perform(const Bite& command) {
+  check_bite(command.thread, command.point);
   change_term<Threads>([&](auto& threads) { threads.bite(command.thread, command.point, body_.here()); });
 }
 

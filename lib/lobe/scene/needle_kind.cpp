@@ -18,6 +18,10 @@ void check_needle(Resolution& resolution, const NeedleSetup& tool, const std::st
   if (!(shape.thickness < shape.radius))
     resolution.fail(here + "/thickness", rounded(shape.thickness) + " m, must be below the radius, " +
                                              rounded(shape.radius) + " m");
+  for (std::size_t i = 0; i < tool.ties.size(); ++i)
+    if (tool.ties[i].from >= tool.ties[i].to)
+      resolution.fail(here + "/ties/" + std::to_string(i) + "/to", "must be a later bite than `from`");
+  if (!tool.thread && !tool.ties.empty()) resolution.fail(here + "/ties", "need a `thread`");
   if (!tool.thread) return;
   std::size_t stitches = 0;
   for (const SceneThread& thread : resolution.scene.threads) stitches += thread.stitches.size();
@@ -71,8 +75,10 @@ void KindOf<NeedleSetup>::resolve(Resolution& resolution, NeedleSetup& tool, con
 BringTool KindOf<NeedleSetup>::bring(Resolution& resolution, const NeedleSetup& tool,
                                      const std::string& here) {
   check_needle(resolution, tool, here);
+  if (!tool.ties.empty()) resolution.fail(here + "/ties", "a hand ties by itself: leave them out");
   const PathPoint& at = tool.path.front();
-  return BringNeedle{tool.name, tool.settings, {at.position, at.orientation}, tool.thread, tool.material};
+  return BringNeedle{tool.name,   tool.settings, {at.position, at.orientation},
+                     tool.thread, tool.material, tool.thread_length};
 }
 
 void KindOf<NeedleSetup>::summarise(const NeedleSetup& setup, nlohmann::ordered_json& entry) {

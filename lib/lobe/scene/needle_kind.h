@@ -20,6 +20,14 @@ struct OfNeedleShape {
 };
 
 template <>
+inline constexpr auto table_of<TieSetup> = Table(
+    "needle_tie", "", Key("from", &TieSetup::from, index.required(), "the bite, from 0, that it joins"),
+    Key("to", &TieSetup::to, index.required(), "with a later one"),
+    Key("at", &TieSetup::at, at_least(0).in("s").required(), "when it is tied"),
+    Key("tighten", &TieSetup::tighten, at_least(0).in("m"), "length by which the loop is drawn together"),
+    Key("over", &TieSetup::over, at_least(0).in("s"), "time in which it is drawn together"));
+
+template <>
 inline constexpr auto table_of<NeedleSetup> = Table(
     "needle", "",
     Key("radius", OfNeedleShape{&NeedleShape::radius}, above(0).in("m").required(),
@@ -34,6 +42,8 @@ inline constexpr auto table_of<NeedleSetup> = Table(
         "force along it, per length that is in tissue"),
     Key("thread", &NeedleSetup::thread, index.optional(),
         "number of the thread at its end, which no stitch of `threads` has; without it, it leaves none"),
+    Key("thread_length", &NeedleSetup::thread_length, above(0).in("m"),
+        "length of that thread: its end slips out of the tissue when it is drawn through"),
     Key("thread_stiffness", In{&NeedleSetup::material, &ThreadMaterial::stiffness}, above(0).in("N"),
         "EA of that thread: tension per strain"),
     Key("thread_friction", In{&NeedleSetup::material, &ThreadMaterial::friction}, at_least(0),
@@ -42,6 +52,7 @@ inline constexpr auto table_of<NeedleSetup> = Table(
         "tension above which that thread breaks; without it, it does not"),
     Key("thread_holds", In{&NeedleSetup::material, &ThreadMaterial::holds}, above(0).in("N").optional(),
         "force that tissue bears at a bite of that thread; without it, any"),
+    Key("ties", &NeedleSetup::ties, any, "knots of that thread; not of a needle that a hand brings"),
     turning_path_key(
         "centres of its circle [time, x, y, z], and orientations [.., qx, qy, qz, qw]; without one its axes "
         "are those of the scene. The arc is in its plane z = 0; the tip is at [radius, 0, 0] and points "

@@ -16,6 +16,11 @@ void TieSetup::check(const Expect& expect, const std::string& whose, std::size_t
   expect(from >= 0 && from < to && std::size_t(to) < bites,
          whose + " is tied between bites " + std::to_string(from) + " and " + std::to_string(to) +
              ": they must be two of its " + std::to_string(bites) + ", in their order");
+  check(expect, whose);
+}
+
+void TieSetup::check(const Expect& expect, const std::string& whose) const {
+  expect(from >= 0 && from < to, whose + " is tied between bites that are not two in their order");
   expect(std::isfinite(at), whose + " is tied at a time that is not finite");
   expect(std::isfinite(tighten) && tighten >= 0, whose + " is tightened by less than 0 m");
   expect(std::isfinite(over) && over >= 0, whose + " is tightened in less than 0 s");

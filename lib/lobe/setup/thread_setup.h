@@ -32,6 +32,7 @@ struct TieSetup {
   double at = 0;           // [s]
   double tighten = 0;      // length by which the loop is then drawn together [m]
   double over = 0.2;       // time that this takes [s]
+  void check(const Expect& expect, const std::string& whose) const;
   void check(const Expect& expect, const std::string& whose, std::size_t bites) const;
   static constexpr auto fields =
       std::tuple(&TieSetup::from, &TieSetup::to, &TieSetup::at, &TieSetup::tighten, &TieSetup::over);

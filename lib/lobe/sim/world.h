@@ -133,7 +133,7 @@ class World {
   void begin_frame(double duration);
   void prepare_frame(double duration, Report& report);
   void play_tools(double duration, Report& report);
-  void sew();
+  void sew();  // draws threads through the bites that needles have made
   void cut(const BladeMove& move, Report& report);
   void advance_to(double end, Report& report);
   bool take_step(double dt, Report& report);

@@ -178,6 +178,7 @@ Report World<Real>::advance(double duration) {
 
 template <class Real>
 void World<Real>::begin_frame(double duration) {
+  sew();
   tools_.begin_frame(time(), duration);
   for (const auto& term : body().terms) term->begin_frame(time(), duration);
   organ_.show_tools(tools_.bodies(time(), time() + duration));
@@ -293,7 +294,6 @@ void World<Real>::play_tools(double duration, Report& report) {
   HeldVertices now = held();
   if (tools_.update_grasps(time(), now, displacement, position, exists))
     report.tets_removed += organ_.grasp(now);
-  sew();
   const ToolWork work = tools_.work(time(), time() + duration);
   for (const ClipClosure& clip : work.clips) organ_.close(clip);
   for (const SweptVolume& volume : work.burnt) {
@@ -317,7 +317,7 @@ void World<Real>::sew() {
   for (const NeedleBite& bite : organ_.take_bites())
     tools_.visit(bite.tool, [&](const auto& tool) {
       if constexpr (requires { tool.thread; })
-        if (tool.thread) organ_.sew(*tool.thread, tool.material, bite.point);
+        if (tool.thread) organ_.sew(bite, {*tool.thread, tool.material, tool.thread_length, tool.ties});
     });
 }
 

@@ -17,6 +17,7 @@ void BringNeedle::check(Index, const Options& used) const {
   expect(fault.empty(), fault);
   expect(!thread || *thread >= 0, "needs a number of its thread that is at least 0");
   if (thread) material.check(expect, "its thread");
+  expect(is_thread_length(thread_length), "needs a thread of a length above 0 m, and finite");
   expect(pose.position.allFinite() && std::abs(pose.orientation.norm() - 1) < 1e-6,
          "needs a finite position and a unit quaternion for its orientation");
 }
@@ -48,7 +49,7 @@ void Needle::begin_frame(double time, double end) {
 
 std::vector<NeedleSetup> Needle::paths() const {
   if (path.empty()) return {};
-  return {{name, settings, thread, material, path.all(), release}};
+  return {{name, settings, thread, material, thread_length, ties, path.all(), release}};
 }
 
 void Needle::append_needles(double from, double to, std::vector<NeedleBody>& needles) const {
@@ -79,8 +80,10 @@ std::optional<PlacedTool> Needle::placed(double time, const HeldPoints&) const {
 }
 
 bool Needle::fits(Index) const {
-  bool is_whole = settings.is_valid() && (!thread || *thread >= 0);
-  if (thread) material.check([&](bool is_met, const std::string&) { is_whole = is_whole && is_met; }, "");
+  bool is_whole = settings.is_valid() && (!thread || *thread >= 0) && is_thread_length(thread_length);
+  const auto see = [&](bool is_met, const std::string&) { is_whole = is_whole && is_met; };
+  for (const TieSetup& tie : ties) tie.check(see, "");
+  if (thread) material.check(see, "");
   return is_whole && is_path(path.all()) && (is_live || !path.empty()) && pose.position.allFinite() &&
          force.allFinite() && torque.allFinite();
 }

@@ -17,11 +17,13 @@ struct BringNeedle {
   ToolPose pose;
   std::optional<int> thread = {};  // as in setup/needle_setup.h
   ThreadMaterial material = {};
+  double thread_length = 0.45;
   Eigen::Vector4d turn() const { return pose.orientation; }
   void check(Index vertex_count, const Options& used) const;
   bool operator==(const BringNeedle&) const = default;
-  static constexpr auto fields = std::tuple(&BringNeedle::name, &BringNeedle::settings, &BringNeedle::pose,
-                                            &BringNeedle::thread, &BringNeedle::material);
+  static constexpr auto fields =
+      std::tuple(&BringNeedle::name, &BringNeedle::settings, &BringNeedle::pose, &BringNeedle::thread,
+                 &BringNeedle::material, &BringNeedle::thread_length);
 };
 
 struct Needle {
@@ -32,6 +34,8 @@ struct Needle {
   NeedleSettings settings;
   std::optional<int> thread = {};
   ThreadMaterial material = {};
+  double thread_length = 0.45;          // [m]
+  std::vector<TieSetup> ties = {};      // as in setup/needle_setup.h
   GrowingPath path;                     // centres and orientations
   bool release = false;                 // whether it is taken away after the last row
   bool is_live = false;                 // whether its path grows
@@ -47,6 +51,8 @@ struct Needle {
         settings(setup.settings),
         thread(setup.thread),
         material(setup.material),
+        thread_length(setup.thread_length),
+        ties(setup.ties),
         path(setup.path),
         release(setup.release) {}
   explicit Needle(const BringNeedle& command)
@@ -54,6 +60,7 @@ struct Needle {
         settings(command.settings),
         thread(command.thread),
         material(command.material),
+        thread_length(command.thread_length),
         is_live(true),
         pose(command.pose) {}
 
@@ -74,8 +81,8 @@ struct Needle {
 
   static constexpr auto fields =
       std::tuple(&Needle::id, &Needle::name, &Needle::settings, &Needle::thread, &Needle::material,
-                 &Needle::path, &Needle::release, &Needle::is_live, &Needle::is_away, &Needle::pose,
-                 &Needle::target, &Needle::force, &Needle::torque);
+                 &Needle::thread_length, &Needle::ties, &Needle::path, &Needle::release, &Needle::is_live,
+                 &Needle::is_away, &Needle::pose, &Needle::target, &Needle::force, &Needle::torque);
 
  private:
   double goes() const;

@@ -64,6 +64,18 @@ void Regions<Real>::follow(const Elements& elements, const RegionEdit& edit) {
 }
 
 template <class Real>
+void Regions<Real>::lay_out(const Elements& elements, const RegionEdit& everything, const Paces& paces) {
+  const auto begin_anew = [&]<class Region>(Region& region) {
+    region = Region();
+    region.set_paces(paces);
+    region.follow(elements, everything);
+  };
+  begin_anew(std::get<NonlinearRegion<Real>>(list_));
+  begin_anew(std::get<CorotationalRegion<Real>>(list_));
+  ++sums_revision_;
+}
+
+template <class Real>
 void Regions<Real>::set_expanded(bool is_expanded) {
   visit_regions(list_, [&](auto& region) -> decltype(region.set_expanded(is_expanded)) {
     region.set_expanded(is_expanded);

@@ -35,6 +35,8 @@ class Regions {
   // mechanism and must leave the region.
   void follow(const Elements& elements, const RegionEdit& edit);
   std::vector<Index> follow_condensed(const Model& model, const RegionEdit& edit, Loads<Real>& loads);
+  // Lays patches out anew, by these paces.
+  void lay_out(const Elements& elements, const RegionEdit& everything, const Paces& paces);
   // Throws InputError if these tetrahedra cannot get this model: what is pre-computed must be held, and its
   // matrix must not be too large; reduced ones must go with a lattice of this cell [m].
   void refuse(RegionModel model, const std::vector<Index>& tets, const Model& body,

@@ -20,6 +20,10 @@ class CorotationalRegion {
     elements_.follow(elements, edit.left, edit.entered, model, edit.copied_tets);
     smoothed_.follow(elements, edit.left, edit.entered, model, edit.copied_tets);
   }
+  void set_paces(const Paces& paces) {  // before any tetrahedra are here
+    elements_.set_paces(paces);
+    smoothed_.set_paces(paces);
+  }
   Index tet_count() const { return elements_.tet_count(); }
   void add_forces(const Mat3X<Real>& u,  // 3 × #vertices [m]
                   Mat3X<Real>& f,        // 3 × #vertices [N]

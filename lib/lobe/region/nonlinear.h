@@ -20,6 +20,10 @@ class NonlinearRegion {
     smoothed_.follow(elements, edit.left, edit.entered, model, edit.copied_tets);
   }
 
+  void set_paces(const Paces& paces) {  // before any tetrahedra are here
+    elements_.set_paces(paces);
+    smoothed_.set_paces(paces);
+  }
   Index tet_count() const { return elements_.tet_count(); }
 
   void add_forces(const Mat3X<Real>& u, Mat3X<Real>& f, Parallel& parallel) {

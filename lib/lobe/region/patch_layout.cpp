@@ -1,6 +1,7 @@
 #include "lobe/region/patch_layout.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "lobe/assert.h"
 #include "lobe/mesh/spatial_order.h"
@@ -8,7 +9,7 @@
 namespace lobe {
 namespace {
 
-// Sorts items by kind, then along a Hilbert curve.
+// Sorts items by pace and kind, then along a Hilbert curve.
 template <class Item>
 std::vector<Item> in_patch_order(const std::vector<Item>& items, const Mat3X<double>& points) {
   Mat3X<double> barycentres(3, Eigen::Index(items.size()));
@@ -17,7 +18,9 @@ std::vector<Item> in_patch_order(const std::vector<Item>& items, const Mat3X<dou
   std::vector<Item> sorted;
   sorted.reserve(items.size());
   for (Index i : spatial_order(barycentres)) sorted.push_back(items[i]);
-  const auto by_kind = [](const Item& a, const Item& b) { return a.kind < b.kind; };
+  const auto by_kind = [](const Item& a, const Item& b) {
+    return std::pair(a.pace, a.kind) < std::pair(b.pace, b.kind);
+  };
   if (!std::is_sorted(sorted.begin(), sorted.end(), by_kind))
     std::stable_sort(sorted.begin(), sorted.end(), by_kind);
   return sorted;
@@ -73,9 +76,8 @@ void PatchLayout<n>::fill_new_patches(const std::vector<Item>& items, const Mat3
   std::vector<Index> known_to(std::size_t(places_.vertex_count()), -1);  // the last patch
   std::vector<Index> ends;
   for (Index i = 0; i < count; ends.push_back(i)) {
-    const std::uint16_t kind = order[i].kind;
-    const Index p = append_patch(kind), end = std::min(count, i + capacity);
-    for (; i < end && order[i].kind == kind; ++i) {
+    const Index p = append_patch(order[i]), end = std::min(count, i + capacity);
+    for (; i < end && patches_[p].takes(order[i]); ++i) {
       const Corners& corners = order[i].corners;
       const auto unknown =
           std::count_if(corners.begin(), corners.end(), [&](Index v) { return known_to[v] != p; });
@@ -140,7 +142,7 @@ template <int n>
 bool PatchLayout<n>::renumber(const Item& item, const LocalCorners& before) {
   const Index p = slot_of_[item.id] / capacity;
   const Patch& patch = patches_[p];
-  if (patch.kind != item.kind || patch.vertices - patch.free + missing(p, item.corners) > patch_vertices)
+  if (!patch.takes(item) || patch.vertices - patch.free + missing(p, item.corners) > patch_vertices)
     return false;
   take_up(p, item.corners);
   let_go(p, before);
@@ -182,11 +184,10 @@ Index PatchLayout<n>::patch_for(const Item& item) {
   const Near* best = nullptr;
   for (const Near& near : around_)
     if ((!best || near.vertices > best->vertices) &&
-        has_room(near.patch, item.kind, Index(item.corners.size()) - near.vertices))
+        has_room(near.patch, item, Index(item.corners.size()) - near.vertices))
       best = &near;
   if (best) return best->patch;
-  return open_ >= 0 && has_room(open_, item.kind, missing(open_, item.corners)) ? open_
-                                                                                : open_patch(item.kind);
+  return open_ >= 0 && has_room(open_, item, missing(open_, item.corners)) ? open_ : open_patch(item);
 }
 
 template <int n>
@@ -196,16 +197,16 @@ Index PatchLayout<n>::missing(Index p, const Corners& corners) const {
 }
 
 template <int n>
-bool PatchLayout<n>::has_room(Index p, std::uint16_t kind, Index new_vertices) const {
+bool PatchLayout<n>::has_room(Index p, const Item& item, Index new_vertices) const {
   const Patch& patch = patches_[p];
-  return patch.kind == kind && patch.items < capacity &&
+  return patch.takes(item) && patch.items < capacity &&
          patch.vertices - patch.free + new_vertices <= patch_vertices;
 }
 
 template <int n>
-Index PatchLayout<n>::append_patch(std::uint16_t kind) {
+Index PatchLayout<n>::append_patch(const Item& of) {
   const Index p = patch_count();
-  patches_.push_back({0, 0, 0, kind});
+  patches_.push_back({0, 0, 0, of.kind, of.pace});
   vertex_.resize(patches_.size() * patch_vertices, 0);
   uses_.resize(patches_.size() * patch_vertices, 0);
   id_of_.resize(patches_.size() * capacity, -1);
@@ -213,12 +214,13 @@ Index PatchLayout<n>::append_patch(std::uint16_t kind) {
 }
 
 template <int n>
-Index PatchLayout<n>::open_patch(std::uint16_t kind) {
+Index PatchLayout<n>::open_patch(const Item& of) {
   while (!empty_.empty() && patches_[empty_.back()].items > 0) empty_.pop_back();
-  if (empty_.empty()) return open_ = append_patch(kind);
+  if (empty_.empty()) return open_ = append_patch(of);
   open_ = empty_.back();
   empty_.pop_back();
-  patches_[open_].kind = kind;
+  patches_[open_].kind = of.kind;
+  patches_[open_].pace = of.pace;
   return open_;
 }
 
@@ -257,13 +259,13 @@ void PatchLayout<n>::put(Index p, const Item& item) {
   ++item_count_;
 }
 
-std::vector<PatchLayout<4>::Item> items_of(RegionModel model, const Elements& elements,
+std::vector<PatchLayout<4>::Item> items_of(RegionModel model, const Elements& elements, const Paces& paces,
                                            const std::vector<Index>& tets) {
   std::vector<PatchLayout<4>::Item> items;
   for (Index t : tets) {
     if (elements.region_of[t] != model) continue;
     const Eigen::Vector4i v = elements.topology.corners(t);
-    items.push_back({t, {v[0], v[1], v[2], v[3]}, elements.material_of[t]});
+    items.push_back({t, {v[0], v[1], v[2], v[3]}, elements.material_of[t], paces.of(elements.topology, v)});
   }
   return items;
 }

@@ -1,12 +1,13 @@
 // Divides items of n vertices each (tetrahedra, edges), or of any number each (the smoothing domains of
 // edges), into patches, and numbers them and their vertices within a patch. A patch has items of one kind
-// that lie close together: consecutive ones along a Hilbert curve through their barycentres, as many as have
+// and one pace that lie close together: consecutive ones along a Hilbert curve through their barycentres, as many as have
 // room. The last item of a patch takes the place of one that leaves. An item that enters goes to a patch
 // that has its vertices. An item that only gets other corners stays in its patch while that has free vertex
 // numbers. A cut changes the corners of many items at once. If they left, they would fill new patches of
 // their own.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <span>
 #include <type_traits>
@@ -42,12 +43,15 @@ class PatchLayout {
     Index id = 0;
     Corners corners{};
     std::uint16_t kind = 0;
+    std::uint8_t pace = 0;  // of Paces
   };
   struct Patch {
     Index items = 0;     // number of items, in slots from capacity × its number on, without gaps
     Index vertices = 0;  // numbers handed out, from 0 on: those in use, and those to be used again
     Index free = 0;      // numbers that are not in use
     std::uint16_t kind = 0;
+    std::uint8_t pace = 0;
+    bool takes(const Item& item) const { return kind == item.kind && pace == item.pace; }
   };
 
   Index item_count() const { return item_count_; }
@@ -101,9 +105,9 @@ class PatchLayout {
   Index patch_for(const Item& item);
   bool renumber(const Item& item, const LocalCorners& before);
   Index missing(Index p, const Corners& corners) const;
-  bool has_room(Index p, std::uint16_t kind, Index new_vertices) const;
-  Index append_patch(std::uint16_t kind);
-  Index open_patch(std::uint16_t kind);
+  bool has_room(Index p, const Item& item, Index new_vertices) const;
+  Index append_patch(const Item& of);
+  Index open_patch(const Item& of);
   Index local_number(Index p, Index vertex) const;  // −1 if it has none
   Index number_vertex(Index p, Index vertex);
   void use(Index vertex);
@@ -125,8 +129,21 @@ class PatchLayout {
   Index item_count_ = 0;
 };
 
-// Returns the items of those tetrahedra that are of this model, by material.
-std::vector<PatchLayout<4>::Item> items_of(RegionModel model, const Elements& elements,
+// The level at which each vertex may step at rest (time/own_steps.h). Patches are laid out by it.
+struct Paces {
+  std::vector<std::uint8_t> of_vertices;  // of the mesh at the start, whose copies have theirs; none: all 0
+
+  template <class Vertices>
+  std::uint8_t of(const Topology& topology, const Vertices& vertices) const {  // the lowest of an item's
+    if (of_vertices.empty()) return 0;
+    std::uint8_t lowest = 255;
+    for (const Index v : vertices) lowest = std::min(lowest, of_vertices[std::size_t(topology.origin(v))]);
+    return lowest;
+  }
+};
+
+// Returns the items of those tetrahedra that are of this model, by material and pace.
+std::vector<PatchLayout<4>::Item> items_of(RegionModel model, const Elements& elements, const Paces& paces,
                                            const std::vector<Index>& tets);
 
 extern template class PatchLayout<any_number>;

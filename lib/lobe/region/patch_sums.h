@@ -10,6 +10,7 @@
 #include "lobe/parallel.h"
 #include "lobe/region/element_block.h"
 #include "lobe/region/patch_layout.h"
+#include "lobe/region/patch_levels.h"
 
 namespace lobe {
 
@@ -67,23 +68,30 @@ class PatchSums {
   void forget() { keeps_ = false; }
   const PatchCount& count() const { return count_; }
 
+  // From here on, until take_all(), only patches of some levels are evaluated.
+  PatchLevels<Real>& levels() { return levels_; }
+
   // Calls evaluate(patch, its displacements [m], sums of forces [N]) for each patch that does not keep them.
   template <class Layout, class Evaluate>
   void add_forces(const Layout& layout, const Mat3X<Real>& u, Mat3X<Real>& f, Parallel& parallel,
                   Evaluate&& evaluate) {
-    const Index evaluated = keeps_ ? static_cast<Index>(awake_.size()) : layout.patch_count();
+    const bool by_levels = levels_.any_left_out();
+    const std::span<const Index> some = by_levels ? levels_.patches() : std::span<const Index>(awake_);
+    const bool takes_some = by_levels || keeps_;
+    const Index evaluated = takes_some ? static_cast<Index>(some.size()) : layout.patch_count();
     count_.evaluated += evaluated;
     count_.skipped += layout.patch_count() - evaluated;
     parallel.for_ranges(evaluated, patches_at_once, [&](Index begin, Index end) {
       LocalVectors local;
       for (Index i = begin; i < end; ++i) {
-        const Index p = keeps_ ? awake_[i] : i;
+        const Index p = takes_some ? some[std::size_t(i)] : i;
         Vector* sums = sums_.data() + std::size_t(p) * patch_vertices;
         std::fill_n(sums, layout.patch(p).vertices, Vector{});
         gather(layout, p, u, local);
         evaluate(p, local, sums);
       }
     });
+    if (by_levels) return levels_.add_sums(layout.places(), sums_, f, parallel);
     const std::vector<Index>& used = keeps_ ? summed_ : layout.used_vertices();
     parallel.for_ranges(static_cast<Index>(used.size()), 4096, [&](Index begin, Index end) {
       sum_places(layout.places(), {used.data() + begin, used.data() + end}, f);
@@ -111,6 +119,7 @@ class PatchSums {
   bool keeps_ = false;
   std::vector<Index> awake_;   // patches that do not keep their sums
   std::vector<Index> summed_;  // vertices at which forces are added meanwhile
+  PatchLevels<Real> levels_;
   PatchCount count_;
 };
 

@@ -12,7 +12,7 @@ template <class Real>
 void Patches<Real>::follow(const Elements& elements, const std::vector<Index>& leave,
                            const std::vector<Index>& enter, RegionModel model, const TetPairs& copied) {
   set_laws(elements, model);
-  const std::vector<Layout::Item> items = items_of(model, elements, enter);
+  const std::vector<Layout::Item> items = items_of(model, elements, paces_, enter);
   if (items.empty() && tet_count() == 0) return;  // without tetrahedra no memory is needed
   layout_.resize(elements.topology.vertex_count(), elements.topology.tet_count());
   const Histories histories = histories_of(leave);

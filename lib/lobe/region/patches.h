@@ -21,6 +21,7 @@ class Patches {
   explicit Patches(InstructionSet set = chosen_instruction_set())
       : kernels_(wide_kernels<Real>(set)), viscous_kernels_(viscous_kernels<Real>(set)) {}
 
+  void set_paces(const Paces& paces) { paces_ = paces; }  // before any tetrahedra are here
   // `copied`: tetrahedra and those that enter as their copies, with the history of their strain.
   void follow(const Elements& elements, const std::vector<Index>& leave, const std::vector<Index>& enter,
               RegionModel model = RegionModel::nonlinear, const TetPairs& copied = {});
@@ -83,6 +84,7 @@ class Patches {
   Viscosity<Real> viscosity_;
   std::vector<Index> without_history_;  // entered since the last relax()
   Layout layout_;
+  Paces paces_;
   std::vector<Law<double>> laws_;  // law of each material
   std::vector<Block> blocks_;      // patch_blocks per patch
   PatchSums<Real> sums_;           // scratch

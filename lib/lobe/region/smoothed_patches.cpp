@@ -23,7 +23,7 @@ std::string edge_name(const SmoothedEdge& edge) {
 
 template <class Real>
 std::vector<typename SmoothedPatches<Real>::Layout::Item> SmoothedPatches<Real>::items_of(
-    const std::vector<Index>& edges) const {
+    const Elements& elements, const std::vector<Index>& edges) const {
   std::vector<typename Layout::Item> items;
   for (Index e : edges) {
     const SmoothedEdge& edge = edges_[e];
@@ -32,7 +32,7 @@ std::vector<typename SmoothedPatches<Real>::Layout::Item> SmoothedPatches<Real>:
       throw InputError(edge_name(edge), "its tetrahedra have " + std::to_string(edge.vertices.size()) +
                                             " vertices, of at most " + std::to_string(patch_vertices) +
                                             " that \"element\": \"edge-smoothed\" takes");
-    items.push_back({e, edge.vertices, edge.material});
+    items.push_back({e, edge.vertices, edge.material, paces_.of(elements.topology, edge.vertices)});
   }
   return items;
 }
@@ -53,7 +53,7 @@ void SmoothedPatches<Real>::follow(const Elements& elements, const std::vector<I
     pressure_.resize(std::size_t(pressures_.count()));
   }
   layout_.resize(elements.topology.vertex_count(), edges_.count());
-  const std::vector<typename Layout::Item> items = items_of(edges);
+  const std::vector<typename Layout::Item> items = items_of(elements, edges);
   const auto entering = layout_.keep(items, [this](Index slot) { return corners_[slot]; });
   std::vector<Index> changed;  // patches
   for (Index e : edges) {

@@ -26,6 +26,7 @@ class SmoothedPatches {
         viscous_kernels_(viscous_domain_kernels<Real>(set)),
         strain_(strain) {}
 
+  void set_paces(const Paces& paces) { paces_ = paces; }  // before any are here
   // Takes the tetrahedra of this model. Throws InputError if a domain has more vertices than a patch.
   // `copied`: tetrahedra and those that enter as their copies, with the history of their strain.
   void follow(const Elements& elements, const std::vector<Index>& leave, const std::vector<Index>& enter,
@@ -67,7 +68,7 @@ class SmoothedPatches {
 
   void set_laws(const Elements& elements, RegionModel model);
   bool any() const { return layout_.item_count() > 0; }
-  std::vector<Layout::Item> items_of(const std::vector<Index>& edges) const;
+  std::vector<Layout::Item> items_of(const Elements& elements, const std::vector<Index>& edges) const;
   struct Domain {
     Index slot;
     TetChain chain;
@@ -93,6 +94,7 @@ class SmoothedPatches {
   bool has_tets_ = false;  // whether tetrahedra have a volume term or a guard; without, no domain owns any
   TetOwners owners_;
   Layout layout_;
+  Paces paces_;
   std::vector<Law<double>> laws_;              // law of each material
   std::vector<Layout::LocalCorners> corners_;  // corners of each slot
   std::vector<Patch> patches_;

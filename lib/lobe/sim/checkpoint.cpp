@@ -125,6 +125,7 @@ Checkpoint<Real> World<Real>::save() const {
   c.ratios = organ_.limit().ratios();
   c.limit = organ_.limit().frame_limit();
   c.limit.is_new = c.limit.is_new || !organ_.limit().holds(body());
+  if (body().own_steps) c.own_steps = body().own_steps->state();
   c.nodes = body().regions.state(body().motion);
   c.mass_degree = body().inertia.degree();
   c.dashpots = body().regions.dashpots();
@@ -197,6 +198,7 @@ void World<Real>::take(const Checkpoint<Real>& c) {
   organ_.show_body_anew();  // as the step limit has to do with the stiffness of terms
   organ_.limit().set_ratios(c.ratios);
   organ_.limit().set_frame_limit(c.limit, body());
+  if (body().own_steps) body().own_steps->set_state(body(), c.own_steps);
   if (organ_.implicit()) organ_.implicit()->set_acceleration(body().model, c.acceleration);
   aim_hold_springs();
 }

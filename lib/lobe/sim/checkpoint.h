@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "lobe/sim/world.h"
+#include "lobe/time/own_steps.h"
 
 namespace lobe {
 
@@ -28,6 +29,7 @@ struct Checkpoint {
   Unravelling::State unravelling;
   FrequencyRatios ratios;
   typename StepLimit<Real>::FrameLimit limit;
+  typename OwnSteps<Real>::State own_steps;
   typename Regions<Real>::State nodes;
   int mass_degree = 1;
   std::vector<Real> dashpots;  // strains of the dashpots of viscous tetrahedra (Regions::dashpots)
@@ -45,9 +47,10 @@ struct Checkpoint {
   static constexpr auto fields =
       std::tuple(&Checkpoint::setup, &Checkpoint::state, &Checkpoint::history, &Checkpoint::held,
                  &Checkpoint::tools, &Checkpoint::blades, &Checkpoint::pieces, &Checkpoint::sleep,
-                 &Checkpoint::unravelling, &Checkpoint::ratios, &Checkpoint::limit, &Checkpoint::nodes,
-                 &Checkpoint::mass_degree, &Checkpoint::dashpots, &Checkpoint::acceleration,
-                 &Checkpoint::pending, &Checkpoint::transitions, &Checkpoint::terms, &Checkpoint::wishes);
+                 &Checkpoint::unravelling, &Checkpoint::ratios, &Checkpoint::limit, &Checkpoint::own_steps,
+                 &Checkpoint::nodes, &Checkpoint::mass_degree, &Checkpoint::dashpots,
+                 &Checkpoint::acceleration, &Checkpoint::pending, &Checkpoint::transitions, &Checkpoint::terms,
+                 &Checkpoint::wishes);
 };
 
 // Writes and reads a checkpoint as a file. Reading throws InputError for a file that is damaged, cut off, of

@@ -9,6 +9,7 @@
 #include "lobe/sim/validate.h"
 #include "lobe/sim/world.h"
 #include "lobe/text.h"
+#include "lobe/time/own_steps.h"
 
 namespace lobe {
 namespace {
@@ -121,6 +122,7 @@ template <class Real>
 bool World<Real>::step(double dt) {
   begin_frame(dt);
   organ_.show_body();
+  if (body().own_steps) body().own_steps->end(body());
   tools_.begin_forces();
   Report unread;
   if (!take_step(dt, unread)) return false;
@@ -147,6 +149,7 @@ template <class Real>
 bool World<Real>::run_steps(int steps, double dt, bool first_try, Report& report) {
   body().sleep.begin_frame();
   tools_.begin_forces();
+  if (body().own_steps) body().own_steps->begin_steps();
   for (Reversals* turns : {&body().motion.reversals, &body().motion.node_turns})
     std::fill(turns->begin(), turns->end(), 0);
   for (int i = 0; i < steps; ++i) {
@@ -236,6 +239,8 @@ void World<Real>::advance_to(double end, Report& report) {
     return;
   }
   int steps = std::max(1, static_cast<int>(wanted));
+  OwnSteps<Real>* own_steps = body().own_steps.get();
+  if (own_steps) steps = own_steps->begin_frame(body(), steps, duration / steps, organ_.setup().safety);
   for (const auto& term : body().terms) term->begin_steps();
   StateColumns<Real> start = body().motion;
   body().regions.keep_dashpots();
@@ -253,7 +258,10 @@ void World<Real>::advance_to(double end, Report& report) {
       limit_after = organ_.limit().at_end(body());
     }
     // If the body has become too stiff for the step that was taken, it may have begun to swing.
-    if (done && ((step <= limit_after && unseen.empty()) || attempt == most_tries - 1)) {
+    const bool were_levels_too_high =
+        done && step <= limit_after && own_steps && !own_steps->are_stable(step);
+    const bool is_stable = step <= limit_after && !were_levels_too_high;
+    if (done && ((is_stable && unseen.empty()) || attempt == most_tries - 1)) {
       if (!unseen.empty()) organ_.report_unseen_force(unseen.front());
       body().motion.time = end;
       aim_hold_springs();
@@ -264,6 +272,11 @@ void World<Real>::advance_to(double end, Report& report) {
     fastest = culprit(elements().topology, body().motion);
     go_back(start, sleep_at_start, body());
     ++report.reruns;
+    if (own_steps && own_steps->any()) {  // all step together when the frame is run again
+      own_steps->begin_steps();
+      own_steps->end(body());
+      start = body().motion;
+    }
     if (!unseen.empty()) {  // the frame is run again, in which they move by themselves
       organ_.grant({Moment::steps_begin, {}, unseen});
       organ_.show_body();
@@ -273,7 +286,8 @@ void World<Real>::advance_to(double end, Report& report) {
     }
     const double wanted_now = std::min<double>(duration / (organ_.setup().safety * limit_after), most_steps);
     const bool may_snap = in_transition && attempt == 0;
-    const int more = static_cast<int>(std::ceil((may_snap ? more_for_snap : 2) * steps));
+    const double times = were_levels_too_high ? 1 : may_snap ? more_for_snap : 2;
+    const int more = static_cast<int>(std::ceil(times * steps));
     steps = unseen.empty() ? std::max(more, static_cast<int>(wanted_now))
                            : std::max(steps, static_cast<int>(std::ceil(wanted_now)));
   }

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <utility>
 
+#include "lobe/time/own_steps.h"
+
 namespace lobe {
 namespace {
 
@@ -31,6 +33,7 @@ Dynamics<Real>::Dynamics(const Setup& setup, int threads, const Progress& progre
 
 template <class Real>
 void Dynamics<Real>::find_forces(const Kick& kick, const ViscousStep& step) {
+  if (kick.dt > 0 && any_own_steps()) return find_forces_of_own_steps(kick, false);
   if (const std::vector<Index>* wanted = sleep.begin_forces(*this))
     loads.put_at(*wanted, motion.forces);
   else
@@ -40,6 +43,23 @@ void Dynamics<Real>::find_forces(const Kick& kick, const ViscousStep& step) {
                      parallel);
   for (const auto& term : terms) term->add_forces(here(kick), motion.forces.padded());
   regions.end_forces(loads.missing_share(motion.time), motion, parallel);
+}
+
+template <class Real>
+bool Dynamics<Real>::any_own_steps() const {
+  return own_steps && own_steps->any();
+}
+
+// `all`: of all levels, as at the start of a frame.
+template <class Real>
+void Dynamics<Real>::find_forces_of_own_steps(const Kick& kick, bool all) {
+  sleep.begin_forces(*this);
+  own_steps->begin_forces(*this, all);
+  regions.begin_forces(!terms.empty(), motion, parallel);
+  regions.add_forces(motion.u.padded(), loads.missing_share(motion.time), {}, motion.forces.padded(),
+                     parallel);
+  for (const auto& term : terms) term->add_forces(here(kick), motion.forces.padded());
+  own_steps->end_forces(*this);
 }
 
 template <class Real>
@@ -132,8 +152,10 @@ void Dynamics<Real>::push(double kick, double dt) {
     inertia.apply(parallel, motion.forces.padded());
   }
   Fastest<Real> fastest =
-      central_difference(motion.forces.padded(), inertia.moving(), Real(kick), Real(dt), Real(damping),
-                         motion.u.padded(), motion.v.padded(), motion.reversals, parallel);
+      any_own_steps()
+          ? own_steps->push(*this, kick, dt)
+          : central_difference(motion.forces.padded(), inertia.moving(), Real(kick), Real(dt), Real(damping),
+                               motion.u.padded(), motion.v.padded(), motion.reversals, parallel);
   if (regions.any_moving_nodes()) {
     const Fastest<Real> nodes = regions.push(kick, dt, damping, motion, parallel);
     fastest = {std::max(fastest.all, nodes.all), std::max(fastest.reversing, nodes.reversing)};
@@ -152,7 +174,10 @@ void Dynamics<Real>::end_step() {
 template <class Real>
 void Dynamics<Real>::synchronise_velocities() {
   if (motion.velocity_lag == 0) return;
-  find_forces({}, {.before = motion.velocity_lag, .follows = true});
+  if (any_own_steps())
+    find_forces_of_own_steps({}, true);
+  else
+    find_forces({}, {.before = motion.velocity_lag, .follows = true});
   restore_held_components();
   push(std::exchange(motion.velocity_lag, 0), 0);
 }

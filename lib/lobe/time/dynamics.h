@@ -11,6 +11,9 @@
 
 namespace lobe {
 
+template <class Real>
+class OwnSteps;  // time/own_steps.h
+
 struct Energies {  // [J]
   double kinetic = 0, elastic_linear = 0, elastic_nonlinear = 0;
   double loads = 0;    // −(gravity and dead loads) · u
@@ -31,6 +34,7 @@ struct Dynamics {
   ForceTerms<Real> terms;
   Inertia<Real> inertia;
   Sleep sleep;
+  std::shared_ptr<OwnSteps<Real>> own_steps;  // null: all step together
   Parallel parallel;
   double damping = 0;  // γ [1/s]
 
@@ -82,6 +86,8 @@ struct Dynamics {
   void state_has_moved();
 
  private:
+  bool any_own_steps() const;
+  void find_forces_of_own_steps(const Kick& kick, bool all);
   // The strains of dashpots are as old as velocities are.
   void find_forces(const Kick& kick, const ViscousStep& step);
 };

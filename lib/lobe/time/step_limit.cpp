@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "lobe/time/own_steps.h"
+
 namespace lobe {
 namespace {
 
@@ -87,7 +89,15 @@ double StepLimit<Real>::keep(Body& body) {
   frame_limit_.volume_ratio_tet = volume_ratio_tet_;
   frame_limit_at_ = body.model.revisions;
   body.sleep.see_frequencies([&](Index v) { return bounded_square(v); });
+  if (body.own_steps) body.own_steps->see_frequencies(body, limiting_squares(body));
   return frame_limit_.limit;
+}
+
+template <class Real>
+std::vector<double> StepLimit<Real>::limiting_squares(const Body& body) const {
+  std::vector<double> squares(std::size_t(body.motion.u.count()));
+  for (std::size_t v = 0; v < squares.size(); ++v) squares[v] = limiting_square(body, Index(v), 0);
+  return squares;
 }
 
 template <class Real>

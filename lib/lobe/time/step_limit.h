@@ -94,6 +94,7 @@ class StepLimit {
     const bool may_be = is_known(body) && frequencies_.bounded_square(v) > least;
     return may_be ? exact_square(body, v) * ratios_.square(v) : 0;
   }
+  std::vector<double> limiting_squares(const Body& body) const;  // of all vertices
   double exact_square(const Body& body, Index v) const {
     return frequencies_.exact_square(v, body.inertia.inverse_mass(v));
   }

@@ -1,0 +1,59 @@
+// At which levels the patches of a body step in a frame, and in how many steps (theory, section 7, own steps).
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "lobe/time/levels.h"
+
+namespace lobe {
+
+// Patches as parts of a body.
+struct PatchGraph {
+  struct Patch {
+    double cost = 0;       // of an evaluation, as compared to others; 0: it is empty
+    Level pace = 0;        // by which it was laid out
+    bool is_tied = false;  // steps with all others that are: their forces come from no energy of their own
+  };
+  std::vector<Patch> patches;
+  std::vector<std::vector<Index>> neighbours;  // per patch: those that share a vertex
+};
+
+using LevelRatios = std::array<double, std::size_t(highest_level) + 1>;
+
+// What is known of the patches in a frame.
+struct PatchLimits {
+  std::vector<double> squares;        // per patch: the highest ω_v² of its vertices [1/s²]
+  std::vector<std::uint8_t> is_fast;  // per patch: steps at level 0
+  LevelRatios ratios;  // per level: its highest frequency over that of its vertices, at least 1
+  double longest = 0;                 // step where all step together [s]
+  double safety = 1;   // of a step to the stable one
+};
+
+struct OwnPace {
+  int steps = 1;              // of level 0 in the frame, a multiple of 2^top
+  std::vector<Level> levels;  // per patch; empty: all 0
+  double share = 1;           // of the evaluations that one step for all takes in as many steps
+  Level top() const { return levels.empty() ? Level(0) : *std::max_element(levels.begin(), levels.end()); }
+};
+
+// A patch of another pace than was measured has this much higher a frequency than its vertices tell.
+inline constexpr double unmeasured_ratio = 1.1;
+// What each step costs in any case, as a share of an evaluation of all patches.
+inline constexpr double cost_of_step = 0.03;
+
+// Whether patches of these levels are stable with short steps of dt [s], up to `safety`.
+bool are_stable(const PatchGraph& graph, const PatchLimits& limits, const std::vector<Level>& levels,
+                double dt, double safety);
+
+// The levels, none above `top`, at which patches may step if short steps take dt [s].
+std::vector<Level> levels_of_patches(const PatchGraph& graph, const PatchLimits& limits, double dt,
+                                     Level top);
+
+// The cheapest pace for a frame that takes `fewest` steps where all step together. Shorter steps are tried as
+// well, as they may let a large part take four of them at once in place of two. The `present` levels are kept
+// where they are stable and cost up to 3 % more.
+OwnPace choose_pace(const PatchGraph& graph, const PatchLimits& limits, int fewest,
+                    const std::vector<Level>& present);
+
+}  // namespace lobe

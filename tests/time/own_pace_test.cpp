@@ -137,4 +137,16 @@ TEST_CASE("present levels are kept where they are stable and nearly as cheap") {
   CHECK(choose_pace(row.graph, row.limits, 80, present).levels == pace.levels);  // unstable: patch 0
   present.assign(64, 0);
   CHECK(choose_pace(row.graph, row.limits, 80, present).levels == pace.levels);
+  const Row equal(std::vector<double>(64, 1.0));  // which one step for all suits
+  present.assign(64, 0);
+  CHECK(choose_pace(equal.graph, equal.limits, 80, present).levels.empty());
+}
+
+TEST_CASE("levels that gain little are kept, and are not begun with") {
+  std::vector<double> omegas(64, 2.2);
+  std::fill_n(omegas.begin(), 10, 1.0);
+  const Row row(omegas);
+  CHECK(choose_pace(row.graph, row.limits, 80, {}).levels.empty());
+  const Levels levels = row.levels(1);
+  CHECK(choose_pace(row.graph, row.limits, 80, levels).levels == levels);
 }

@@ -69,14 +69,9 @@ std::vector<Level> levels_of_patches(const PatchGraph& graph, const PatchLimits&
 
 OwnPace choose_pace(const PatchGraph& graph, const PatchLimits& limits, int fewest,
                     const std::vector<Level>& present) {
+  const auto cost_of = [](int steps, double share) { return steps * (share + cost_of_step); };
   OwnPace best{.steps = fewest};
-  double least = fewest * (1 + cost_of_step);
-  const auto consider = [&](int steps, std::vector<Level> levels, double worth) {
-    const double share = share_of(graph, levels), cost = steps * (share + cost_of_step);
-    if (!(cost * worth < least)) return;
-    least = cost;
-    best = {steps, std::move(levels), share};
-  };
+  double least = worth_it * cost_of(fewest, 1);
   for (Level top = 1; top <= highest_level; ++top) {
     int last = 0;
     for (int k = 0; k <= 16; ++k) {
@@ -84,17 +79,19 @@ OwnPace choose_pace(const PatchGraph& graph, const PatchLimits& limits, int fewe
       if (steps == last || steps > 2 * fewest + (1 << top)) continue;
       last = steps;
       std::vector<Level> levels = levels_of_patches(graph, limits, limits.longest * fewest / steps, top);
-      const Level reached = *std::max_element(levels.begin(), levels.end());
-      if (reached == top) consider(steps, std::move(levels), 1 + 1e-6);
+      const double share = share_of(graph, levels), cost = cost_of(steps, share);
+      if (*std::max_element(levels.begin(), levels.end()) < top || cost >= least) continue;
+      least = cost;
+      best = {steps, std::move(levels), share};
     }
   }
-  if (best.levels.empty()) return best;
-  if (present.size() == graph.patches.size()) {
-    const Level top = *std::max_element(present.begin(), present.end());
-    const int steps = rounded_up(fewest, top);
-    if (top > 0 && are_stable(graph, limits, present, limits.longest * fewest / steps, limits.safety))
-      consider(steps, present, 0.97);
-  }
+  if (present.size() != graph.patches.size() || present.empty()) return best;
+  const int steps = rounded_up(fewest, *std::max_element(present.begin(), present.end()));
+  const double share = share_of(graph, present),
+               enough = best.levels.empty() ? cost_of(fewest, 1) : 1.03 * least;
+  if (share < 1 && cost_of(steps, share) < enough &&
+      are_stable(graph, limits, present, limits.longest * fewest / steps, limits.safety))
+    best = {steps, present, share};
   return best;
 }
 

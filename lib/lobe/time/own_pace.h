@@ -26,7 +26,7 @@ struct PatchLimits {
   std::vector<double> squares;        // per patch: the highest ω_v² of its vertices [1/s²]
   std::vector<std::uint8_t> is_fast;  // per patch: steps at level 0
   LevelRatios ratios;  // per level: its highest frequency over that of its vertices, at least 1
-  double longest = 0;                 // step where all step together [s]
+  double longest = 0;  // step where all step together [s]
   double safety = 1;   // of a step to the stable one
 };
 
@@ -41,6 +41,8 @@ struct OwnPace {
 inline constexpr double unmeasured_ratio = 1.1;
 // What each step costs in any case, as a share of an evaluation of all patches.
 inline constexpr double cost_of_step = 0.03;
+// Levels are used where they cost at most this share of one step for all.
+inline constexpr double worth_it = 0.9;
 
 // Whether patches of these levels are stable with short steps of dt [s], up to `safety`.
 bool are_stable(const PatchGraph& graph, const PatchLimits& limits, const std::vector<Level>& levels,
@@ -52,7 +54,7 @@ std::vector<Level> levels_of_patches(const PatchGraph& graph, const PatchLimits&
 
 // The cheapest pace for a frame that takes `fewest` steps where all step together. Shorter steps are tried as
 // well, as they may let a large part take four of them at once in place of two. The `present` levels are kept
-// where they are stable and cost up to 3 % more.
+// where they are stable and cost up to 3 % more than others, or less than one step for all.
 OwnPace choose_pace(const PatchGraph& graph, const PatchLimits& limits, int fewest,
                     const std::vector<Level>& present);
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <type_traits>
 #include <utility>
@@ -66,7 +67,7 @@ struct RestPaces {
 
 RestPaces cheapest_paces(const Topology& topology, int rings, const std::vector<double>& squares,
                          double highest, const LevelRatios& ratios) {
-  RestPaces best;
+  RestPaces best{.cost = worth_it};
   for (int k = 0; k <= 8; ++k) {
     const double c = std::exp2(-k / 8.0);
     std::vector<Level> paces = paces_of(squares, highest, ratios, c);
@@ -79,7 +80,7 @@ RestPaces cheapest_paces(const Topology& topology, int rings, const std::vector<
       evaluated += 1.0 / (1 << lowest);
     }
     const double cost = (evaluated / topology.tet_count() + cost_of_step) / (1 + cost_of_step) / c;
-    if (cost < 0.97 * best.cost) best = {std::move(paces), c, cost};
+    if (cost < best.cost) best = {std::move(paces), c, cost};
   }
   return best;
 }
@@ -183,14 +184,21 @@ void OwnSteps<Real>::follow(Dynamics<Real>& body) {
   limits_.squares.assign(graph_.patches.size(), 0);
 }
 
+// Only vertices whose bound is above what their patches have so far are computed.
 template <class Real>
-void OwnSteps<Real>::see_frequencies(Dynamics<Real>& body, const std::vector<double>& squares) {
+void OwnSteps<Real>::see_frequencies(Dynamics<Real>& body, const std::function<double(Index)>& bound,
+                                     const std::function<double(Index)>& square) {
   follow(body);
-  for (std::size_t p = 0; p < graph_.patches.size(); ++p)
-    limits_.squares[p] = softest * rest_square_ / (1 << 2 * graph_.patches[p].pace);
-  for (std::size_t v = 0; v < squares.size(); ++v)
-    for (Index p : patches_of_[v])
-      limits_.squares[std::size_t(p)] = std::max(limits_.squares[std::size_t(p)], squares[v]);
+  std::vector<double>& squares = limits_.squares;
+  for (std::size_t p = 0; p < squares.size(); ++p)
+    squares[p] = softest * rest_square_ / (1 << 2 * graph_.patches[p].pace);
+  for (std::size_t v = 0; v < patches_of_.size(); ++v) {
+    double least = std::numeric_limits<double>::infinity();
+    for (Index p : patches_of_[v]) least = std::min(least, squares[std::size_t(p)]);
+    if (!(bound(Index(v)) > least)) continue;
+    const double of_vertex = square(Index(v));
+    for (Index p : patches_of_[v]) squares[std::size_t(p)] = std::max(squares[std::size_t(p)], of_vertex);
+  }
 }
 
 // ---- A frame

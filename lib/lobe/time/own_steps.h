@@ -9,6 +9,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <tuple>
 #include <vector>
 
@@ -44,7 +45,9 @@ class OwnSteps {
   const LevelRatios& ratios() const { return ratios_; }
 
   // Call it when the step limit has been found.
-  void see_frequencies(Dynamics<Real>& body, const std::vector<double>& squares);  // as above
+  void see_frequencies(Dynamics<Real>& body,
+                       const std::function<double(Index)>& bound,    // of the square of a vertex [1/s²]
+                       const std::function<double(Index)>& square);  // as above
   // Chooses levels and returns the number of steps of a frame that takes `fewest` of `longest` [s] where all
   // step together. Where levels change, velocities are brought up to the displacements.
   int begin_frame(Dynamics<Real>& body, int fewest, double longest, double safety);

@@ -89,7 +89,10 @@ double StepLimit<Real>::keep(Body& body) {
   frame_limit_.volume_ratio_tet = volume_ratio_tet_;
   frame_limit_at_ = body.model.revisions;
   body.sleep.see_frequencies([&](Index v) { return bounded_square(v); });
-  if (body.own_steps) body.own_steps->see_frequencies(body, limiting_squares(body));
+  if (body.own_steps)
+    body.own_steps->see_frequencies(
+        body, [&](Index v) { return frequencies_.bounded_square(v); },
+        [&](Index v) { return limiting_square(body, v, 0); });
   return frame_limit_.limit;
 }
 

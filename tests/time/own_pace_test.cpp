@@ -132,14 +132,14 @@ TEST_CASE("present levels are kept where they are stable and nearly as cheap") {
   CHECK(pace.top() == 2);
   Levels present = pace.levels;
   present[63] = 1;
-  CHECK(choose_pace(row.graph, row.limits, 80, present).levels == present);
+  CHECK(choose_pace(row.graph, row.limits, 80, {present}).levels == present);
   present.assign(64, 1);
-  CHECK(choose_pace(row.graph, row.limits, 80, present).levels == pace.levels);  // unstable: patch 0
+  CHECK(choose_pace(row.graph, row.limits, 80, {present}).levels == pace.levels);  // unstable: patch 0
   present.assign(64, 0);
-  CHECK(choose_pace(row.graph, row.limits, 80, present).levels == pace.levels);
+  CHECK(choose_pace(row.graph, row.limits, 80, {present}).levels == pace.levels);
   const Row equal(std::vector<double>(64, 1.0));  // which one step for all suits
   present.assign(64, 0);
-  CHECK(choose_pace(equal.graph, equal.limits, 80, present).levels.empty());
+  CHECK(choose_pace(equal.graph, equal.limits, 80, {present}).levels.empty());
 }
 
 TEST_CASE("levels that gain little are kept, and are not begun with") {
@@ -148,5 +148,16 @@ TEST_CASE("levels that gain little are kept, and are not begun with") {
   const Row row(omegas);
   CHECK(choose_pace(row.graph, row.limits, 80, {}).levels.empty());
   const Levels levels = row.levels(1);
-  CHECK(choose_pace(row.graph, row.limits, 80, levels).levels == levels);
+  CHECK(choose_pace(row.graph, row.limits, 80, {levels}).levels == levels);
+}
+
+TEST_CASE("the length of steps is kept as well where it is stable") {
+  std::vector<double> omegas(64, 1.0);
+  omegas[0] = 4;
+  const Row row(omegas);
+  const Levels levels = choose_pace(row.graph, row.limits, 80, {}).levels;
+  CHECK(choose_pace(row.graph, row.limits, 80, {levels, 88}).steps == 88);
+  CHECK(choose_pace(row.graph, row.limits, 80, {levels, 76}).steps == 80);   // too long
+  CHECK(choose_pace(row.graph, row.limits, 80, {levels, 120}).steps == 80);  // too short
+  CHECK(choose_pace(row.graph, row.limits, 80, {levels, 82}).steps == 80);   // 82 are no large steps
 }

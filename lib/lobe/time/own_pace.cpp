@@ -68,10 +68,11 @@ std::vector<Level> levels_of_patches(const PatchGraph& graph, const PatchLimits&
 }
 
 OwnPace choose_pace(const PatchGraph& graph, const PatchLimits& limits, int fewest,
-                    const std::vector<Level>& present) {
+                    const PresentPace& present) {
   const auto cost_of = [](int steps, double share) { return steps * (share + cost_of_step); };
+  const double together = cost_of(fewest, 1);
   OwnPace best{.steps = fewest};
-  double least = worth_it * cost_of(fewest, 1);
+  double least = worth_it * together;
   for (Level top = 1; top <= highest_level; ++top) {
     int last = 0;
     for (int k = 0; k <= 16; ++k) {
@@ -85,13 +86,16 @@ OwnPace choose_pace(const PatchGraph& graph, const PatchLimits& limits, int fewe
       best = {steps, std::move(levels), share};
     }
   }
-  if (present.size() != graph.patches.size() || present.empty()) return best;
-  const int steps = rounded_up(fewest, *std::max_element(present.begin(), present.end()));
-  const double share = share_of(graph, present),
-               enough = best.levels.empty() ? cost_of(fewest, 1) : 1.03 * least;
-  if (share < 1 && cost_of(steps, share) < enough &&
-      are_stable(graph, limits, present, limits.longest * fewest / steps, limits.safety))
-    best = {steps, present, share};
+  if (present.levels.size() != graph.patches.size() || present.levels.empty()) return best;
+  const Level top = *std::max_element(present.levels.begin(), present.levels.end());
+  const double share = share_of(graph, present.levels);
+  const double enough = best.levels.empty() ? together : std::min(worth_a_change * least, together);
+  const auto keeps = [&](int steps) {
+    return steps >= fewest && steps % (1 << top) == 0 && share < 1 && cost_of(steps, share) < enough &&
+           are_stable(graph, limits, present.levels, limits.longest * fewest / steps, limits.safety);
+  };
+  for (const int steps : {present.steps, best.steps, rounded_up(fewest, top)})
+    if (keeps(steps)) return {steps, present.levels, share};
   return best;
 }
 

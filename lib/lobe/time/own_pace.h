@@ -40,7 +40,7 @@ struct OwnPace {
 // A patch of another pace than was measured has this much higher a frequency than its vertices tell.
 inline constexpr double unmeasured_ratio = 1.1;
 // What each step costs in any case, as a share of an evaluation of all patches.
-inline constexpr double cost_of_step = 0.03;
+inline constexpr double cost_of_step = 0.1;
 // Levels are used where they cost at most this share of one step for all.
 inline constexpr double worth_it = 0.9;
 
@@ -52,10 +52,20 @@ bool are_stable(const PatchGraph& graph, const PatchLimits& limits, const std::v
 std::vector<Level> levels_of_patches(const PatchGraph& graph, const PatchLimits& limits, double dt,
                                      Level top);
 
+// The pace of a frame before, if any, and how many of its steps make up this frame; 0: no whole number.
+struct PresentPace {
+  std::vector<Level> levels;  // empty: all stepped together
+  int steps = 0;
+};
+// How much more than others may cost what changes neither levels nor the length of steps. At each change
+// swings of high frequency get another amplitude, on average a higher one: central differences conserve a
+// discrete energy for steps of one length.
+inline constexpr double worth_a_change = 1.15;
+
 // The cheapest pace for a frame that takes `fewest` steps where all step together. Shorter steps are tried as
-// well, as they may let a large part take four of them at once in place of two. The `present` levels are kept
-// where they are stable and cost up to 3 % more than others, or less than one step for all.
+// well, as they may let a large part take four of them at once in place of two. The present pace is kept
+// where it is stable and costs little more than others, and less than one step for all.
 OwnPace choose_pace(const PatchGraph& graph, const PatchLimits& limits, int fewest,
-                    const std::vector<Level>& present);
+                    const PresentPace& present);
 
 }  // namespace lobe

@@ -225,6 +225,14 @@ bool OwnSteps<Real>::is_possible(const Dynamics<Real>& body) const {
          std::none_of(materials.begin(), materials.end(), averages);
 }
 
+// How many steps of the last length take this time [s]; 0: no whole number.
+template <class Real>
+int OwnSteps<Real>::steps_in(double duration) const {
+  if (!(step_length_ > 1e-6 * duration)) return 0;
+  const double steps = std::round(duration / step_length_);
+  return std::abs(steps * step_length_ - duration) < 1e-6 * duration ? static_cast<int>(steps) : 0;
+}
+
 template <class Real>
 int OwnSteps<Real>::begin_frame(Dynamics<Real>& body, int fewest, double longest, double safety) {
   OwnPace chosen{.steps = fewest};
@@ -233,13 +241,14 @@ int OwnSteps<Real>::begin_frame(Dynamics<Real>& body, int fewest, double longest
     limits_.ratios = ratios_;
     limits_.longest = longest;
     limits_.safety = safety;
-    chosen = choose_pace(graph_, limits_, fewest, levels_);
+    chosen = choose_pace(graph_, limits_, fewest, {levels_, steps_in(fewest * longest)});
   }
   if (chosen.levels != levels_) {
     end(body);
     if (!chosen.levels.empty()) use(body, chosen.levels);
   }
   share_ = chosen.share;
+  step_length_ = fewest * longest / chosen.steps;
   return chosen.steps;
 }
 
@@ -289,6 +298,7 @@ template <class Real>
 void OwnSteps<Real>::set_state(Dynamics<Real>& body, const State& state) {
   follow(body);
   limits_.squares = state.squares;
+  step_length_ = state.step;
   if (state.levels.empty())
     forget();
   else

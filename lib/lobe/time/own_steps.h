@@ -8,6 +8,7 @@
 // displacements then. They are brought up to these where levels change.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <functional>
 #include <tuple>
@@ -28,13 +29,14 @@ class OwnSteps {
   struct State {
     std::vector<double> squares;  // per patch: the highest ω_v² when the step limit was found [1/s²]
     std::vector<Level> levels;    // per patch, of the last frame; none: all stepped together
+    double step = 0;              // short, of the last frame [s]
 
     bool is_valid() const {
-      return (levels.empty() || levels.size() == squares.size()) &&
+      return step >= 0 && std::isfinite(step) && (levels.empty() || levels.size() == squares.size()) &&
              std::all_of(squares.begin(), squares.end(), [](double square) { return square >= 0; }) &&
              std::all_of(levels.begin(), levels.end(), [](Level level) { return level <= highest_level; });
     }
-    static constexpr auto fields = std::tuple(&State::squares, &State::levels);
+    static constexpr auto fields = std::tuple(&State::squares, &State::levels, &State::step);
   };
 
   // Lays out the patches of a body at rest by the pace of their vertices, so that few have a slow and a fast
@@ -71,7 +73,7 @@ class OwnSteps {
   // As Dynamics::push(). The highest speeds count as much more as a vertex moves further in a step.
   Fastest<Real> push(Dynamics<Real>& body, double kick, double dt);
 
-  State state() const { return {limits_.squares, levels_}; }
+  State state() const { return {limits_.squares, levels_, step_length_}; }
   // False if it does not fit the body.
   bool fits(Dynamics<Real>& body, const State& state);
   void set_state(Dynamics<Real>& body, const State& state);
@@ -82,6 +84,7 @@ class OwnSteps {
   void find_moving(Dynamics<Real>& body);
   std::vector<std::uint8_t> fast_patches(const Dynamics<Real>& body) const;
   bool is_possible(const Dynamics<Real>& body) const;
+  int steps_in(double duration) const;
   double highest_of_level(Dynamics<Real>& body, Level level, const std::vector<double>& squares,
                           double small) const;
   int highest_now() const;  // level that kicks in this step
@@ -98,6 +101,7 @@ class OwnSteps {
   std::vector<Level> of_vertices_;  // if so
   Level top_ = 0;
   double share_ = 1;
+  double step_length_ = 0;       // [s]
   int step_ = 0;                 // within a large step
   std::vector<Index> vertices_;  // by level
   std::array<std::size_t, std::size_t(highest_level) + 2> ends_{};

@@ -1,10 +1,10 @@
 // Divides items of n vertices each (tetrahedra, edges), or of any number each (the smoothing domains of
 // edges), into patches, and numbers them and their vertices within a patch. A patch has items of one kind
-// and one pace that lie close together: consecutive ones along a Hilbert curve through their barycentres, as many as have
-// room. The last item of a patch takes the place of one that leaves. An item that enters goes to a patch
-// that has its vertices. An item that only gets other corners stays in its patch while that has free vertex
-// numbers. A cut changes the corners of many items at once. If they left, they would fill new patches of
-// their own.
+// and one pace that lie close together: consecutive ones along a Hilbert curve through their barycentres, as
+// many as have room. The last item of a patch takes the place of one that leaves. An item that enters goes to
+// a patch that has its vertices. An item that only gets other corners stays in its patch while that has free
+// vertex numbers. A cut changes the corners of many items at once. If they left, they would fill new patches
+// of their own.
 #pragma once
 
 #include <algorithm>

@@ -1,7 +1,7 @@
-// Levels of the patches of a layout (time/own_steps.h): patches of level l kick their vertices in every 2^l-th
-// step alone. In a step of which the levels up to s kick, only these are evaluated. A vertex has the lowest
-// level of all patches around it, and steps as often as that. There, what it gets from a patch of a higher
-// level counts as much more as that patch kicks more seldom.
+// Levels of the patches of a layout (time/own_steps.h): patches of level l kick their vertices in every
+// 2^l-th step alone. In a step of which the levels up to s kick, only these are evaluated. A vertex has the
+// lowest level of all patches around it, and steps as often as that. There, what it gets from a patch of a
+// higher level counts as much more as that patch kicks more seldom.
 #pragma once
 
 #include <algorithm>

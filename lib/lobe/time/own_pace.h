@@ -1,4 +1,5 @@
-// At which levels the patches of a body step in a frame, and in how many steps (theory, section 7, own steps).
+// At which levels the patches of a body step in a frame, and in how many steps (theory, section 7, own
+// steps).
 #pragma once
 
 #include <array>

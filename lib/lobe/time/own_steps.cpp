@@ -221,7 +221,7 @@ template <class Real>
 bool OwnSteps<Real>::is_possible(const Dynamics<Real>& body) const {
   const auto averages = [](const Elastic& elastic) { return elastic.nodal_lambda() > 0; };
   const auto& materials = body.model.elements.materials;
-  return !body.regions.any_condensed() && !body.regions.any_roles() && !body.inertia.may_be_selective() &&
+  return body.regions.are_all_of_tets() && !body.regions.any_roles() && !body.inertia.may_be_selective() &&
          std::none_of(materials.begin(), materials.end(), averages);
 }
 

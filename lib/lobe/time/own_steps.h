@@ -1,11 +1,13 @@
 // Own steps: each patch kicks its vertices as seldom as it may (theory, section 7). A large step is 2^top
 // steps of World. In the i-th of them the patches of level l with 2^l a divisor of i are evaluated, and the
-// vertices of these levels move: by 2^l steps at once. A vertex has the lowest level of the patches around it,
+// vertices of these levels move: by 2^l steps at once. A vertex has the lowest level of the patches around,
 // so that nothing reads its place in between. Its force is kept, and is that of the whole time. Force terms
-// and held vertices act in every step; what they act on has level 0.
+// act in every step; what they act on has level 0.
 //
-// Frames begin and end where all vertices are at one time. Velocities of level l are 2^l half steps older than
-// displacements then. They are brought up to these where levels change.
+// Frames begin and end where all vertices are at one time. Velocities of level l are 2^l half steps older
+// than displacements then. They are brought up to these where levels change. Where levels meet, slow kicks
+// push a vertex to and fro about its place: by 1/8 of what one side accelerates it times the square of the
+// long step.
 #pragma once
 
 #include <cmath>

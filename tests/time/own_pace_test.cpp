@@ -151,6 +151,44 @@ TEST_CASE("levels that gain little are kept, and are not begun with") {
   CHECK(choose_pace(row.graph, row.limits, 80, {levels}).levels == levels);
 }
 
+TEST_CASE("where there are levels, steps are at most 0.85 of the stable one, and are kept up to 0.87") {
+  std::vector<double> omegas(64, 1.0);
+  omegas[0] = 4.5;
+  const Row row(omegas, 0.9);
+  const OwnPace pace = choose_pace(row.graph, row.limits, 850, {});
+  REQUIRE(pace.top() == 2);
+  CHECK(pace.steps >= 900);
+  CHECK(pace.steps <= 904);
+  CHECK(choose_pace(row.graph, row.limits, 850, {pace.levels, 884}).steps == 884);         // 0.865
+  CHECK(choose_pace(row.graph, row.limits, 850, {pace.levels, 876}).steps == pace.steps);  // 0.873
+  const Row equal(std::vector<double>(64, 1.0), 0.9);
+  CHECK(choose_pace(equal.graph, equal.limits, 850, {}).steps == 850);
+}
+
+TEST_CASE("a pace is kept as long as it is stable and costs less than one step for all") {
+  std::vector<double> omegas(64, 1.0);
+  omegas[0] = 4;
+  const Row row(omegas);
+  const Levels levels = choose_pace(row.graph, row.limits, 80, {}).levels;
+  const Levels dear = row.levels(1);
+  REQUIRE(choose_pace(row.graph, row.limits, 80, {dear, 80}).levels == levels);
+  const auto kept = keep_pace(row.graph, row.limits, 80, {dear, 80});
+  REQUIRE(kept);
+  CHECK(kept->levels == dear);
+  CHECK(kept->steps == 80);
+  CHECK(kept->share == near((1 + 63 * 0.5) / 64, 1e-12));
+  CHECK(keep_pace(row.graph, row.limits, 80, {dear, 81})->steps == 80);  // no whole number of large steps
+  CHECK(keep_pace(row.graph, row.limits, 80, {dear, 140})->steps == 140);
+  CHECK(keep_pace(row.graph, row.limits, 80, {dear, 160})->steps == 80);  // dearer than one step for all
+  Row stiffer = row;
+  stiffer.limits.squares[20] = 9;
+  CHECK_FALSE(keep_pace(stiffer.graph, stiffer.limits, 80, {dear, 80}));
+  const auto together = keep_pace(stiffer.graph, stiffer.limits, 80, {});
+  REQUIRE(together);
+  CHECK(together->levels.empty());
+  CHECK(together->steps == 80);
+}
+
 TEST_CASE("the length of steps is kept as well where it is stable") {
   std::vector<double> omegas(64, 1.0);
   omegas[0] = 4;

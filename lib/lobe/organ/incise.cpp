@@ -136,8 +136,10 @@ void Organ<Real>::make_way(const BladeMove& move) {
 // Divides these tetrahedra where faces next to them were opened.
 template <class Real>
 MeshEdit Organ<Real>::divide(const std::vector<Index>& opened) {
-  // Velocities stay half a step old: the next step has the forces of the cut body.
-  const Change change = edit({.followers = !opened.empty()}, [&] {
+  // Velocities stay half a step old: the next step has the forces of the cut body. With own steps they are of
+  // several times, and levels are chosen anew.
+  const Before before{.velocities = body_.any_own_steps(), .followers = !opened.empty()};
+  const Change change = edit(before, [&] {
     Topology& topology = body_.model.elements.topology;
     return Change{.mesh = opened.empty() ? MeshEdit{} : topology.divide(blades_.parts_of(topology, opened))};
   });

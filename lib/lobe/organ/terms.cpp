@@ -147,7 +147,7 @@ void Organ<Real>::add(std::shared_ptr<ForceTerm<Real>> term) {
                                     [&](const auto& present) { return present->name() == term->name(); });
   if (is_known || find_kind_of_term<Real>(term->name()))
     throw InputError("force term", "there is one of the name \"" + term->name() + "\" already");
-  edit_terms({}, [&] {
+  edit_terms({.velocities = body_.any_own_steps()}, [&] {
     body_.terms.push_back(std::move(term));
     shown_ = {};
   });

@@ -44,13 +44,12 @@ struct Checkpoint {
   WishMemory wishes;
 
   bool is_valid() const { return acceleration.allFinite(); }
-  static constexpr auto fields =
-      std::tuple(&Checkpoint::setup, &Checkpoint::state, &Checkpoint::history, &Checkpoint::held,
-                 &Checkpoint::tools, &Checkpoint::blades, &Checkpoint::pieces, &Checkpoint::sleep,
-                 &Checkpoint::unravelling, &Checkpoint::ratios, &Checkpoint::limit, &Checkpoint::own_steps,
-                 &Checkpoint::nodes, &Checkpoint::mass_degree, &Checkpoint::dashpots,
-                 &Checkpoint::acceleration, &Checkpoint::pending, &Checkpoint::transitions, &Checkpoint::terms,
-                 &Checkpoint::wishes);
+  static constexpr auto fields = std::tuple(
+      &Checkpoint::setup, &Checkpoint::state, &Checkpoint::history, &Checkpoint::held, &Checkpoint::tools,
+      &Checkpoint::blades, &Checkpoint::pieces, &Checkpoint::sleep, &Checkpoint::unravelling,
+      &Checkpoint::ratios, &Checkpoint::limit, &Checkpoint::own_steps, &Checkpoint::nodes,
+      &Checkpoint::mass_degree, &Checkpoint::dashpots, &Checkpoint::acceleration, &Checkpoint::pending,
+      &Checkpoint::transitions, &Checkpoint::terms, &Checkpoint::wishes);
 };
 
 // Writes and reads a checkpoint as a file. Reading throws InputError for a file that is damaged, cut off, of

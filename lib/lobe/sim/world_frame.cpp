@@ -9,7 +9,6 @@
 #include "lobe/sim/validate.h"
 #include "lobe/sim/world.h"
 #include "lobe/text.h"
-#include "lobe/time/own_steps.h"
 
 namespace lobe {
 namespace {
@@ -239,7 +238,7 @@ void World<Real>::advance_to(double end, Report& report) {
     return;
   }
   int steps = std::max(1, static_cast<int>(wanted));
-  OwnSteps<Real>* own_steps = body().own_steps.get();
+  auto& own_steps = body().own_steps;
   if (own_steps) steps = own_steps->begin_frame(body(), steps, duration / steps, organ_.setup().safety);
   for (const auto& term : body().terms) term->begin_steps();
   StateColumns<Real> start = body().motion;
@@ -273,8 +272,7 @@ void World<Real>::advance_to(double end, Report& report) {
     go_back(start, sleep_at_start, body());
     ++report.reruns;
     if (own_steps && own_steps->any()) {  // all step together when the frame is run again
-      own_steps->begin_steps();
-      own_steps->end(body());
+      own_steps->end_after_trouble(body());
       start = body().motion;
     }
     if (!unseen.empty()) {  // the frame is run again, in which they move by themselves

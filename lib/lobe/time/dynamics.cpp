@@ -3,8 +3,6 @@
 #include <cmath>
 #include <utility>
 
-#include "lobe/time/own_steps.h"
-
 namespace lobe {
 namespace {
 
@@ -46,16 +44,8 @@ void Dynamics<Real>::find_forces(const Kick& kick, const ViscousStep& step) {
 }
 
 template <class Real>
-bool Dynamics<Real>::any_own_steps() const {
-  return own_steps && own_steps->any();
-}
-
-// `all`: of all levels, as at the start of a frame.
-template <class Real>
 void Dynamics<Real>::find_forces_of_own_steps(const Kick& kick, bool all) {
-  sleep.begin_forces(*this);
   own_steps->begin_forces(*this, all);
-  regions.begin_forces(!terms.empty(), motion, parallel);
   regions.add_forces(motion.u.padded(), loads.missing_share(motion.time), {}, motion.forces.padded(),
                      parallel);
   for (const auto& term : terms) term->add_forces(here(kick), motion.forces.padded());

@@ -2,17 +2,15 @@
 // on it.
 #pragma once
 
-#include <memory>
+#include <optional>
 
 #include "lobe/body/hold_springs.h"
 #include "lobe/forces/force_term.h"
 #include "lobe/time/inertia.h"
+#include "lobe/time/own_steps.h"
 #include "lobe/time/sleep.h"
 
 namespace lobe {
-
-template <class Real>
-class OwnSteps;  // time/own_steps.h
 
 struct Energies {  // [J]
   double kinetic = 0, elastic_linear = 0, elastic_nonlinear = 0;
@@ -34,7 +32,7 @@ struct Dynamics {
   ForceTerms<Real> terms;
   Inertia<Real> inertia;
   Sleep sleep;
-  std::shared_ptr<OwnSteps<Real>> own_steps;  // null: all step together
+  std::optional<OwnSteps<Real>> own_steps;  // none: all step together
   Parallel parallel;
   double damping = 0;  // γ [1/s]
 
@@ -77,6 +75,7 @@ struct Dynamics {
   typename ForceTerm<Real>::At here(const Kick& kick = {}) const {
     return {model, motion.u.padded(), motion.v.padded(), motion.time, kick};
   }
+  bool any_own_steps() const { return own_steps && own_steps->any(); }
   // Vertices on which force terms act, and those that they wake.
   std::vector<Index> acted_on_by_terms() const;
   std::vector<Index> woken_by_terms() const;
@@ -86,7 +85,7 @@ struct Dynamics {
   void state_has_moved();
 
  private:
-  bool any_own_steps() const;
+  // `all`: of all levels, as at the start of a frame.
   void find_forces_of_own_steps(const Kick& kick, bool all);
   // The strains of dashpots are as old as velocities are.
   void find_forces(const Kick& kick, const ViscousStep& step);

@@ -2,7 +2,7 @@
 // steps). A part of level l gets the kicks of 2^l short steps at once, in every 2^l-th of them. Parts are
 // tetrahedra, or patches of them.
 //
-// World takes all steps together. What own steps would spare is estimated by scene/pace.h.
+// World steps by levels with Setup::own_steps (time/own_steps.h). scene/pace.h estimates what they spare.
 #pragma once
 
 #include <algorithm>

@@ -2,7 +2,9 @@
 // steps).
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <optional>
 #include <vector>
 
 #include "lobe/time/levels.h"
@@ -28,7 +30,7 @@ struct PatchLimits {
   std::vector<std::uint8_t> is_fast;  // per patch: steps at level 0
   LevelRatios ratios;  // per level: its highest frequency over that of its vertices, at least 1
   double longest = 0;  // step where all step together [s]
-  double safety = 1;   // of a step to the stable one
+  double safety = 1;   // share of the stable step that it may be
 };
 
 struct OwnPace {
@@ -42,8 +44,16 @@ struct OwnPace {
 inline constexpr double unmeasured_ratio = 1.1;
 // What each step costs in any case, as a share of an evaluation of all patches.
 inline constexpr double cost_of_step = 0.1;
-// Levels are used where they cost at most this share of one step for all.
-inline constexpr double worth_it = 0.9;
+// Levels are begun with where they cost at most this share of one step for all: patches at held vertices
+// alone, which may step more seldom in any body, are not worth it.
+inline constexpr double worth_it = 0.8;
+// How much more than others may cost what changes neither levels nor the length of steps. At each change
+// swings of high frequency get another amplitude, on average a higher one: central differences conserve a
+// discrete energy for steps of one length.
+inline constexpr double worth_a_change = 1.15;
+// Where there are levels, no step is chosen to be longer than this share of the stable one, and none is kept
+// that is longer than the second one: of 160 bodies with a damping of 5/s two gained energy at 0.9.
+inline constexpr double safety_of_levels = 0.85, safety_to_keep = 0.87;
 
 // Whether patches of these levels are stable with short steps of dt [s], up to `safety`.
 bool are_stable(const PatchGraph& graph, const PatchLimits& limits, const std::vector<Level>& levels,
@@ -58,15 +68,14 @@ struct PresentPace {
   std::vector<Level> levels;  // empty: all stepped together
   int steps = 0;
 };
-// How much more than others may cost what changes neither levels nor the length of steps. At each change
-// swings of high frequency get another amplitude, on average a higher one: central differences conserve a
-// discrete energy for steps of one length.
-inline constexpr double worth_a_change = 1.15;
 
 // The cheapest pace for a frame that takes `fewest` steps where all step together. Shorter steps are tried as
 // well, as they may let a large part take four of them at once in place of two. The present pace is kept
 // where it is stable and costs little more than others, and less than one step for all.
 OwnPace choose_pace(const PatchGraph& graph, const PatchLimits& limits, int fewest,
                     const PresentPace& present);
+// The present pace, if it is stable and costs less than one step for all.
+std::optional<OwnPace> keep_pace(const PatchGraph& graph, const PatchLimits& limits, int fewest,
+                                 const PresentPace& present);
 
 }  // namespace lobe

@@ -104,13 +104,13 @@ void OwnSteps<Real>::lay_out(Dynamics<Real>& body, const std::vector<double>& sq
   const bool any_smoothed = std::any_of(elements.materials.begin(), elements.materials.end(),
                                         [](const Elastic& elastic) { return elastic.is_smoothed(); });
   rest_square_ = highest;
-  for (int round = 0; is_possible(body) && round <= most_rounds; ++round) {
+  for (int round = 0; highest > 0 && round <= most_rounds; ++round) {
     const RestPaces paces = round < most_rounds ? cheapest_paces(elements.topology, any_smoothed ? 2 : 1,
                                                                  squares, highest, ratios_)
                                                 : RestPaces{};
     if (paces.of_vertices.empty() && round == 0) break;
     body.regions.lay_out(elements, all_tets(elements.topology), {paces.of_vertices});
-    ++body.model.revisions.structure;
+    structure_ = ~std::uint64_t(0);
     if (paces.of_vertices.empty()) break;
     rest_square_ = highest / (paces.c * paces.c);
     follow(body);
@@ -217,14 +217,6 @@ std::vector<std::uint8_t> OwnSteps<Real>::fast_patches(const Dynamics<Real>& bod
   return is_fast;
 }
 
-template <class Real>
-bool OwnSteps<Real>::is_possible(const Dynamics<Real>& body) const {
-  const auto averages = [](const Elastic& elastic) { return elastic.nodal_lambda() > 0; };
-  const auto& materials = body.model.elements.materials;
-  return body.regions.are_all_of_tets() && !body.regions.any_roles() && !body.inertia.may_be_selective() &&
-         std::none_of(materials.begin(), materials.end(), averages);
-}
-
 // How many steps of the last length take this time [s]; 0: no whole number.
 template <class Real>
 int OwnSteps<Real>::steps_in(double duration) const {
@@ -233,19 +225,32 @@ int OwnSteps<Real>::steps_in(double duration) const {
   return std::abs(steps * step_length_ - duration) < 1e-6 * duration ? static_cast<int>(steps) : 0;
 }
 
+// A choice takes as long as some steps, so a pace that is kept is looked at again after some frames.
+template <class Real>
+OwnPace OwnSteps<Real>::pace_of_frame(const Dynamics<Real>& body, int fewest) {
+  const bool waits = wait_ > 0;
+  if (waits) --wait_;
+  if (waits && !any()) return {.steps = fewest};
+  limits_.is_fast = fast_patches(body);
+  const PresentPace present{levels_, steps_in(fewest * limits_.longest)};
+  if (waits)
+    if (const auto kept = keep_pace(graph_, limits_, fewest, present)) return *kept;
+  wait_ = frames_to_stay;
+  return choose_pace(graph_, limits_, fewest, present);
+}
+
 template <class Real>
 int OwnSteps<Real>::begin_frame(Dynamics<Real>& body, int fewest, double longest, double safety) {
+  limits_.ratios = ratios_;
+  limits_.longest = longest;
+  limits_.safety = safety;
   OwnPace chosen{.steps = fewest};
-  if (is_possible(body) && !body.sleep.any() && structure_ == body.model.revisions.structure) {
-    limits_.is_fast = fast_patches(body);
-    limits_.ratios = ratios_;
-    limits_.longest = longest;
-    limits_.safety = safety;
-    chosen = choose_pace(graph_, limits_, fewest, {levels_, steps_in(fewest * longest)});
-  }
+  if (structure_ == body.model.revisions.structure) chosen = pace_of_frame(body, fewest);
   if (chosen.levels != levels_) {
+    const int wait = wait_;
     end(body);
     if (!chosen.levels.empty()) use(body, chosen.levels);
+    wait_ = wait;
   }
   share_ = chosen.share;
   step_length_ = fewest * longest / chosen.steps;
@@ -256,6 +261,14 @@ template <class Real>
 void OwnSteps<Real>::end(Dynamics<Real>& body) {
   if (any()) body.synchronise_velocities();
   forget();
+}
+
+template <class Real>
+void OwnSteps<Real>::end_after_trouble(Dynamics<Real>& body) {
+  step_ = 0;
+  end(body);
+  share_ = 1;
+  wait_ = frames_together;
 }
 
 template <class Real>
@@ -299,10 +312,9 @@ void OwnSteps<Real>::set_state(Dynamics<Real>& body, const State& state) {
   follow(body);
   limits_.squares = state.squares;
   step_length_ = state.step;
-  if (state.levels.empty())
-    forget();
-  else
-    use(body, state.levels);
+  forget();
+  if (!state.levels.empty()) use(body, state.levels);
+  wait_ = state.wait;
 }
 
 // ---- A step

@@ -27,18 +27,24 @@ struct Dynamics;
 template <class Real>
 class OwnSteps {
  public:
+  // For so many frames a pace stays that is stable and costs less than one step for all. After a frame that
+  // was run again, all step together for so many.
+  static constexpr int frames_to_stay = 10, frames_together = 30;
+
   // Part of a checkpoint. Patches in the order in which Regions::visit_patches() shows them.
   struct State {
     std::vector<double> squares;  // per patch: the highest ω_v² when the step limit was found [1/s²]
     std::vector<Level> levels;    // per patch, of the last frame; none: all stepped together
     double step = 0;              // short, of the last frame [s]
+    int wait = 0;                 // frames in which the pace stays if it can
 
     bool is_valid() const {
-      return step >= 0 && std::isfinite(step) && (levels.empty() || levels.size() == squares.size()) &&
+      return step >= 0 && std::isfinite(step) && wait >= 0 && wait <= frames_together &&
+             (levels.empty() || levels.size() == squares.size()) &&
              std::all_of(squares.begin(), squares.end(), [](double square) { return square >= 0; }) &&
              std::all_of(levels.begin(), levels.end(), [](Level level) { return level <= highest_level; });
     }
-    static constexpr auto fields = std::tuple(&State::squares, &State::levels, &State::step);
+    static constexpr auto fields = std::tuple(&State::squares, &State::levels, &State::step, &State::wait);
   };
 
   // Lays out the patches of a body at rest by the pace of their vertices, so that few have a slow and a fast
@@ -56,9 +62,10 @@ class OwnSteps {
   // step together. Where levels change, velocities are brought up to the displacements.
   int begin_frame(Dynamics<Real>& body, int fewest, double longest, double safety);
   void begin_steps() { step_ = 0; }  // of a frame
-  // All step together from here on.
+  // All step together from here on; after trouble for some frames.
   void end(Dynamics<Real>& body);
-  void forget() { levels_.clear(), top_ = 0; }  // of a state that is given
+  void end_after_trouble(Dynamics<Real>& body);
+  void forget() { levels_.clear(), top_ = wait_ = 0; }  // of a state that is given
   // Whether the levels are stable with short steps of dt [s] at what was seen last.
   bool are_stable(double dt) const;
 
@@ -75,7 +82,7 @@ class OwnSteps {
   // As Dynamics::push(). The highest speeds count as much more as a vertex moves further in a step.
   Fastest<Real> push(Dynamics<Real>& body, double kick, double dt);
 
-  State state() const { return {limits_.squares, levels_, step_length_}; }
+  State state() const { return {limits_.squares, levels_, step_length_, wait_}; }
   // False if it does not fit the body.
   bool fits(Dynamics<Real>& body, const State& state);
   void set_state(Dynamics<Real>& body, const State& state);
@@ -85,7 +92,7 @@ class OwnSteps {
   void use(Dynamics<Real>& body, const std::vector<Level>& levels);
   void find_moving(Dynamics<Real>& body);
   std::vector<std::uint8_t> fast_patches(const Dynamics<Real>& body) const;
-  bool is_possible(const Dynamics<Real>& body) const;
+  OwnPace pace_of_frame(const Dynamics<Real>& body, int fewest);
   int steps_in(double duration) const;
   double highest_of_level(Dynamics<Real>& body, Level level, const std::vector<double>& squares,
                           double small) const;
@@ -96,14 +103,14 @@ class OwnSteps {
   std::uint64_t structure_ = ~std::uint64_t(0);
   PatchLimits limits_{{}, {}, {1, 1, 1, 1, 1, 1}};
   LevelRatios ratios_{1, 1, 1, 1, 1, 1};
-  double rest_square_ =
-      0;  // ω² of a patch of pace 0 at rest: by that of another pace, 4^pace times as much [1/s²]
+  double rest_square_ = 0;  // ω² of a patch of pace 0 at rest, 4^pace times that of another pace [1/s²]
 
   std::vector<Level> levels_;       // per patch, in force
   std::vector<Level> of_vertices_;  // if so
   Level top_ = 0;
   double share_ = 1;
   double step_length_ = 0;       // [s]
+  int wait_ = 0;                 // as State::wait
   int step_ = 0;                 // within a large step
   std::vector<Index> vertices_;  // by level
   std::array<std::size_t, std::size_t(highest_level) + 2> ends_{};

@@ -81,6 +81,8 @@
 //   contact patch: the tetrahedra around what a haptic tool touches, whose stiffness it feels.
 //   patch: up to 512 tetrahedra, or 1024 edges of a tensor-mass region, that are evaluated together; neither
 //     a contact patch nor the patch test.
+//   own steps: steps whose length differs from part to part of a body, each a power of two of the shortest.
+//   level: of a patch with own steps: it steps once in 2^level of the shortest steps.
 //   kernel: the loop that computes the forces of one kind of tetrahedra or edges in a patch.
 //   held vertex: a vertex whose position the boundary conditions prescribe.
 //   partly held vertex: a vertex of which a share lies in what is held ("hold_by"); a spring draws it to its

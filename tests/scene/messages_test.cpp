@@ -111,7 +111,7 @@ TEST_CASE("unknown keys are refused with a suggestion") {
        "\"regions\", \"skin\", \"threads\", \"time\", "
        "\"tools\", \"volume_penalty\"\n"
        "/time: unknown key \"x~/\"; known here: \"cut_step\", \"damping\", \"duration\", \"frame\", "
-       "\"integrator\", \"load_ramp\", \"precision\", \"ramp\", \"safety\", "
+       "\"integrator\", \"load_ramp\", \"own_steps\", \"precision\", \"ramp\", \"safety\", "
        "\"selective_mass\", \"sleep\", "
        "\"spectral_radius\", \"step\""},
   });

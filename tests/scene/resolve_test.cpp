@@ -513,6 +513,22 @@ TEST_CASE("sleep is refused beside nodal pressure and implicit steps") {
         "neighbours; leave one of them out");
 }
 
+TEST_CASE("own steps are off unless a scene asks for them, and are refused beside what has none") {
+  CHECK_FALSE(resolved("{}").setup.own_steps);
+  const Resolved on = resolved(R"({"time": {"own_steps": true}})");
+  CHECK(on.setup.own_steps);
+  CHECK(on.warnings.empty());
+  CHECK(parse_scene(to_json(parse_scene(R"({"mesh": "a.vtu", "materials": [{"tissue": "liver"}],
+    "time": {"own_steps": true}})")))
+            .time.own_steps);
+  CHECK(faults(R"({"time": {"own_steps": true, "selective_mass": 3}})") ==
+        "/time/own_steps: \"own_steps\" does not go with \"selective_mass\": selective masses couple all "
+        "vertices; leave one of them out");
+  CHECK(faults(R"({"time": {"own_steps": true}, "regions": {"auto": {}}})") ==
+        "/time/own_steps: \"own_steps\" does not go with \"regions\": {\"auto\": …}: regions that lobe "
+        "chooses may be precomputed or reduced; leave one of them out");
+}
+
 TEST_CASE("a scene built in code is checked before it is resolved") {
   Scene bad = scene();
   bad.materials[0].lame_mu = -1;

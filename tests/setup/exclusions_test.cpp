@@ -48,6 +48,9 @@ void ask_for(Setup& setup, Option option) {
     case Option::sleep:
       setup.sleep = 1e-5;
       break;
+    case Option::own_steps:
+      setup.own_steps = true;
+      break;
     case Option::selective_mass:
       setup.selective_mass = 5;
       break;

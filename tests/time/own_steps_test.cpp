@@ -30,15 +30,9 @@ Setup stiff_ended_bar(double contrast) {
 }
 
 template <class Real>
-World<Real> by_own_steps(const Setup& setup, int threads = 1) {
-  World<Real> world(setup, threads);
-  world.time_step_limit();
-  auto own = std::make_shared<OwnSteps<Real>>();
-  own->lay_out(world.body(), world.step_limit().limiting_squares(world.body()),
-               1e-9 * world.body().motion.longest_move);
-  world.body().own_steps = own;
-  world.step_limit().forget();
-  return world;
+World<Real> by_own_steps(Setup setup, int threads = 1) {
+  setup.own_steps = true;
+  return World<Real>(setup, threads);
 }
 
 // A turn, a wave along the bar and noise.

@@ -78,9 +78,18 @@ Organ<Real>::Organ(const Setup& setup, int threads, const Progress& progress)
   }
   limit_.measure_at_rest(body_);
   embed();
+  if (setup.own_steps) begin_own_steps();
   if (need_grains(setup)) prepare_blades();
   for (const KindOfTerm<Real>& kind : kinds_of_terms<Real>())
     if (kind.follows_cuts && kind.is_needed(setup, {})) own_term(kind.name);
+}
+
+template <class Real>
+void Organ<Real>::begin_own_steps() {
+  limit_.find(body_);
+  body_.own_steps.emplace();
+  body_.own_steps->lay_out(body_, limit_.limiting_squares(body_), 1e-9 * body_.motion.longest_move);
+  limit_.forget();
 }
 
 // ---- State
@@ -123,6 +132,7 @@ void Organ<Real>::set_state(const State<Real>& state) {
   body_.regions.relax_all(elements(), motion.u.padded());
   body_.state_was_replaced();
   body_.sleep.wake_all(state.time);
+  if (body_.own_steps) body_.own_steps->forget();
   limit_.restart(body_);
   unravelling_.restart(state.time);
 }

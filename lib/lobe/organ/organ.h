@@ -189,6 +189,8 @@ class Organ {
   void as_transition(const std::function<void()>& change);
   void synchronise_velocities();
 
+  void begin_own_steps();
+
   // ---- Edits
 
   MeshEdit cut(const std::vector<Index>& tets);

@@ -1,5 +1,5 @@
 // Which part of a body sets the length of all steps, and what it would spare if each patch took steps of its
-// own (time/levels.h). An estimate at rest: lobe takes all steps together.
+// own (time/levels.h). An estimate at rest.
 #pragma once
 
 #include <optional>

@@ -32,7 +32,7 @@ std::string pace_lines(const nlohmann::ordered_json& pace) {
   }
   out << "\n           (estimate: steps of their own would take "
       << rounded(pace["evaluations_by_tetrahedra"]) << " of the evaluations, "
-      << rounded(pace["evaluations_by_patches"]) << " by patches; lobe does not take them)\n";
+      << rounded(pace["evaluations_by_patches"]) << " by patches; \"own_steps\" takes them)\n";
   return out.str();
 }
 

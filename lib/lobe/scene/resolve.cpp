@@ -238,6 +238,7 @@ Resolved resolve(const Scene& scene, TetMesh mesh, const ResolveOptions& options
   setup.ramp = scene.time.ramp;
   setup.load_ramp = scene.time.load_ramp;
   setup.sleep = scene.time.sleep.value_or(0);
+  setup.own_steps = scene.time.own_steps;
 
   check_bodies(resolution);
   refuse_excluded_options(resolution);

@@ -72,6 +72,8 @@ std::vector<std::string> places_of(const Scene& scene, Option option) {
       return place_if(scene.auto_regions.has_value(), "/regions/auto");
     case Option::sleep:
       return place_if(time.sleep.value_or(0) > 0, "/time/sleep");
+    case Option::own_steps:
+      return place_if(time.own_steps, "/time/own_steps");
     case Option::selective_mass:
       return place_if(time.selective_mass > 1, "/time/selective_mass");
     case Option::implicit:

@@ -210,6 +210,7 @@ struct Time {
   // Change of displacements that sleep may cause [m]; 0: nothing sleeps; nullopt: parts at rest sleep in
   // sessions alone (live/session_scene.h).
   std::optional<double> sleep;
+  bool own_steps = false;  // whether parts take steps of their own lengths (time/own_steps.h)
   Precision precision = Precision::single_precision;
   Integrator integrator = Integrator::central_difference;
   double step = 0;               // step of the implicit integrator [s]; 0: one per frame

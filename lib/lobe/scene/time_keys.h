@@ -53,7 +53,10 @@ inline constexpr auto table_of<Time> = Table(
         "of the implicit integrator at high frequencies: 1 damps nothing (implicit midpoint rule), 0 "
         "annihilates what the step cannot resolve"),
     Key("sleep", &Time::sleep, at_least(0).in("m").or_false().optional(),
-        "by how much displacements may differ where parts at rest sleep; 0 or `false`: none sleeps"));
+        "by how much displacements may differ where parts at rest sleep; 0 or `false`: none sleeps"),
+    Key("own_steps", &Time::own_steps, any,
+        "whether parts that may take longer steps than the stiffest part do so: twice, four times, up to 32 "
+        "times as long. Explicit integrator only"));
 
 template <>
 inline constexpr auto table_of<Output> =

@@ -52,6 +52,20 @@ constexpr Exclusion table[] = {
     {Option::viscous, Option::implicit, "its tangent does not know branches that relax",
      "use the explicit integrator"},
     {Option::viscous, Option::sleep, "what is still may go on relaxing", "leave one of them out"},
+    {Option::own_steps, Option::implicit, "an implicit step is taken by all vertices", "leave it out"},
+    {Option::own_steps, precomputed, "a condensed interior follows its interface in every step",
+     "use \"tensor-mass\" or \"nonlinear\""},
+    {Option::own_steps, reduced, "nodes of its lattice step together", "use \"nonlinear\""},
+    {Option::own_steps, Option::automatic, "regions that lobe chooses may be precomputed or reduced",
+     "leave one of them out"},
+    {Option::own_steps, Option::selective_mass, "selective masses couple all vertices",
+     "leave one of them out"},
+    {Option::own_steps, Option::nodal_pressure, "the pressure of a patch depends on its neighbours",
+     "leave one of them out"},
+    {Option::own_steps, Option::viscous, "dashpots of all patches take the same steps",
+     "leave one of them out"},
+    {Option::own_steps, Option::sleep, "where lengths of steps differ, vertices at rest have velocities",
+     "leave one of them out"},
     {Option::static_solution, Option::corotated, "an equilibrium has no motion that a frame could follow",
      "use \"nonlinear\" or a fixed frame"},
 };
@@ -101,6 +115,8 @@ std::string name(Option option) {
       return "\"integrator\": \"implicit\"";
     case Option::single_precision:
       return "single precision";
+    case Option::own_steps:
+      return "\"own_steps\"";
     case Option::viscous:
       return "\"viscosity\"";
     case Option::partly_held:
@@ -133,6 +149,7 @@ Options options_of(const Setup& setup) {
   used.add(Option::viscous, any_viscous(setup.materials));
   used.add(Option::other_law, any_other_law(setup.materials));
   used.add(Option::sleep, setup.sleep > 0);
+  used.add(Option::own_steps, setup.own_steps);
   used.add(Option::selective_mass, setup.selective_mass > 1);
   used.add(Option::force_terms, setup.contact.is_on() || !setup.pressures.empty() || setup.any_force());
   for_each_tool(static_cast<const ToolSetups&>(setup),

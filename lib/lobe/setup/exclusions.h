@@ -32,6 +32,7 @@ enum class Option : std::uint8_t {
   static_solution,
   edge_smoothed,
   viscous,     // a material with a Prony series
+  own_steps,   // Setup::own_steps
   partly_held  // Setup::partly_held, GraspSetup::shares
 };
 inline constexpr std::size_t option_count = std::size_t(Option::partly_held) + 1;

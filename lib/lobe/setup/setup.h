@@ -95,6 +95,7 @@ struct Setup : Body, ToolSetups, ForceSetups {
   double ramp = 0.1;             // time in which prescribed displacements are reached [s]
   double load_ramp = 0;          // time in which all loads but weight grow linearly [s]
   double sleep = 0;              // change of displacements that sleep may cause [m]; 0: nothing sleeps
+  bool own_steps = false;        // whether parts take steps of their own lengths (time/own_steps.h)
   double lattice_cell = 0;       // edge of the cells of reduced regions [m]; 0: chosen by their size
   bool expandable = false;       // pre-computed regions may be non-linear for a while (command Expand)
   ContactSetup contact;
@@ -107,7 +108,7 @@ struct Setup : Body, ToolSetups, ForceSetups {
                  &Setup::pressures, &Setup::gravity, &Setup::loose_pieces, &Setup::damping, &Setup::safety,
                  &Setup::cut_step, &Setup::cut_frequency, &Setup::selective_mass, &Setup::integrator,
                  &Setup::implicit_step, &Setup::spectral_radius, &Setup::ramp, &Setup::load_ramp,
-                 &Setup::sleep, &Setup::lattice_cell, &Setup::expandable, &Setup::contact),
+                 &Setup::sleep, &Setup::own_steps, &Setup::lattice_cell, &Setup::expandable, &Setup::contact),
       ForceSetups::fields, std::tuple(&Setup::carriers), ToolSetups::fields);
 };
 

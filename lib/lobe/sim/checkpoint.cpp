@@ -84,7 +84,7 @@ void check_own_terms(const Checkpoint<Real>& c, const Organ<Real>& organ) {
 }
 
 template <class Real>
-void check_fits(const Checkpoint<Real>& c, const Organ<Real>& organ) {
+void check_fits(const Checkpoint<Real>& c, Organ<Real>& organ) {
   const Index vertices = organ.elements().topology.vertex_count();
   const auto tets = std::size_t(organ.elements().topology.tet_count());
   const std::size_t sleepers = organ.body().sleep.state().asleep.size();
@@ -99,6 +99,8 @@ void check_fits(const Checkpoint<Real>& c, const Organ<Real>& organ) {
              c.sleep.squares.size() == sleepers,
          "sleeping vertices");
   expect(c.ratios.of_vertex.size() == std::size_t(vertices), "frequencies of other vertices");
+  expect(!organ.body().own_steps || organ.body().own_steps->fits(organ.body(), c.own_steps),
+         "own steps of other patches");
   expect(organ.body().regions.fits(c.nodes, organ.elements()), "nodes of regions");
   expect(c.dashpots.size() == organ.body().regions.dashpots().size() &&
              std::all_of(c.dashpots.begin(), c.dashpots.end(), [](Real A) { return std::isfinite(A); }),

@@ -182,7 +182,7 @@ void Needles<Real>::add(Needle& needle, const Scratch& scratch, const At& at, Ma
     on_tools_.push_back({.tool = needle.tool, .force = needle.force, .torque = needle.torque});
 }
 
-// Outside of steps the forces are those of the last one: springs so stiff are no part of what limits the step.
+// Outside of steps the forces are those of the last one: springs so stiff are no part of what limits steps.
 template <class Real>
 void Needles<Real>::add_last(const Needle& needle, const At& at, Mat3X<Real>& f) const {
   const NeedlePassage& passage = needle.passage;

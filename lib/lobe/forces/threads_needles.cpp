@@ -1,5 +1,5 @@
-// Threads at the ends of needles. As long as nothing fixes its other end such a thread runs through its bites as
-// the needle draws, and pulls at nothing. Behind a knot it is taut like one that a hand pulls.
+// Threads at the ends of needles. As long as nothing fixes its other end such a thread runs through its bites
+// as the needle draws, and pulls at nothing. Behind a knot it is taut like one that a hand pulls.
 #include <algorithm>
 
 #include "lobe/error.h"

@@ -94,6 +94,8 @@ struct MakeSceneOptions {
   std::filesystem::path output;  // the scene; empty: default_scene(); a mesh that is made is beside it
   double scale = 0;              // from the file's coordinates to metres; 0: by its size
   double edge = 0;               // of tetrahedra that a surface is filled with [m]; 0: lobe-mesh chooses
+  double voxels = 0;             // of voxels that surfaces are turned into first [m]; 0: where they overlap
+  bool accepts_loss = false;     // of volume, as lobe-mesh --accept-loss
   std::string tissue = "liver";
   std::string hold;         // one of names_of_sides(); empty: the broadest side
   double springs = 0;       // stiffness per area of a bed on which that side lies [Pa/m]; 0: it is fixed

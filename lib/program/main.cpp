@@ -59,6 +59,12 @@ void add_make_scene_options(CLI::App& command, MakeSceneOptions& options) {
       ->check(CLI::Range(1e-9, 1e9));
   command.add_option("--edge", options.edge, "edge of the tetrahedra that a surface is filled with [m]")
       ->check(CLI::PositiveNumber);
+  command
+      .add_option("--voxels", options.voxels,
+                  "edge of voxels that surfaces are turned into first [m]: they may then overlap")
+      ->check(CLI::PositiveNumber);
+  command.add_flag("--accept-loss", options.accepts_loss,
+                   "be content with a mesh that loses more than a quarter of a part's volume");
   command.add_option("--tissue", options.tissue, "of all of it; lobe tissues lists them")
       ->capture_default_str();
   command.add_option("--hold", options.hold, "side that is held, or none; default: the broadest one")
@@ -88,7 +94,8 @@ int make_and_view(int argc, char** argv) {
   try {
     app.parse(argc - at + 1, argv + at - 1);
     options.output = default_scene(options);
-    constexpr const char* asking[] = {"--scale", "--edge", "--tissue", "--hold", "--springs", "--pin"};
+    constexpr const char* asking[] = {"--scale",   "--edge", "--tissue", "--hold",
+                                      "--springs", "--pin",  "--voxels", "--accept-loss"};
     const bool asks = std::any_of(std::begin(asking), std::end(asking),
                                   [&](const char* name) { return app.count(name) > 0; });
     if (!asks && std::filesystem::exists(options.output))

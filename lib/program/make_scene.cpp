@@ -70,9 +70,8 @@ std::filesystem::path made_mesh(const MakeSceneOptions& options) {
   return mesh;
 }
 
-// Runs lobe-mesh, which says what it repairs and how good the mesh is.
-ScaledMesh meshed_body(const MakeSceneOptions& options) {
-  const std::filesystem::path mesh = made_mesh(options);
+std::vector<std::string> arguments_of_mesher(const MakeSceneOptions& options,
+                                             const std::filesystem::path& mesh) {
   std::vector<std::string> arguments{sibling("lobe-mesh").string()};
   for (const std::filesystem::path& file : options.files) arguments.push_back(file.string());
   arguments.insert(arguments.end(), {"-o", mesh.string()});
@@ -80,9 +79,19 @@ ScaledMesh meshed_body(const MakeSceneOptions& options) {
     arguments.insert(arguments.end(), {"--scale", exact(options.scale)});
   else
     arguments.push_back("--find-units");
-  if (options.files.size() > 1) arguments.push_back("--find-voxels");
+  if (options.voxels > 0)
+    arguments.insert(arguments.end(), {"--voxels", exact(options.voxels)});
+  else if (options.files.size() > 1)
+    arguments.push_back("--find-voxels");
   if (options.edge > 0) arguments.insert(arguments.end(), {"--edge", exact(options.edge)});
-  const int status = run_program(arguments);
+  if (options.accepts_loss) arguments.push_back("--accept-loss");
+  return arguments;
+}
+
+// Runs lobe-mesh, which says what it repairs and how good the mesh is.
+ScaledMesh meshed_body(const MakeSceneOptions& options) {
+  const std::filesystem::path mesh = made_mesh(options);
+  const int status = run_program(arguments_of_mesher(options, mesh));
   if (status == 127)
     throw InputError("lobe-mesh", "not found in the folder of lobe or on the PATH; ./dev build makes it");
   if (status != 0) throw InputError(options.files.front().string(), "was not meshed");

@@ -171,29 +171,31 @@ class Contest {
   std::vector<float> best_, second_;
 };
 
-// How messages name the label of an image, and what helps where it is too thin.
+// How messages name the label of an image.
 std::string name_of(const LabelImage& image, int value) {
   return image.is_of_surfaces ? "surface " + std::to_string(value - 1) : "label " + std::to_string(value);
 }
-std::string remedy_of(const LabelImage& image, const std::string& smoothing) {
-  return (image.is_of_surfaces ? "choose a shorter --voxels, or use " : "use ") + smoothing;
-}
 
-void compare_counts(const LabelImage& image, const Contents& contents, LabelGrid& grid) {
+// Volumes of the regions, and how much of them the smoothing leaves.
+void measure_regions(const LabelImage& image, const Contents& contents, LabelGrid& grid) {
   std::vector<std::size_t> after(grid.values.size() + 1, 0);
   for (const std::uint8_t region : grid.regions) ++after[region];
+  const double voxel = std::abs(image.to_world.leftCols<3>().determinant());  // [m³]
   for (std::size_t r = 0; r < grid.values.size(); ++r) {
-    const std::string label = name_of(image, grid.values[r]);
-    const auto before = static_cast<double>(contents.counts.at(grid.values[r]));
-    const double change = static_cast<double>(after[r + 1]) / before - 1;
-    if (after[r + 1] == 0)
-      throw InputError(
-          label, "too thin: nothing of it is left by the smoothing; " + remedy_of(image, "--smoothing 0"));
-    if (std::abs(change) > reported_volume_change) {
-      grid.warnings.push_back("the smoothing changes the number of voxels of " + label + " by " +
-                              rounded(std::round(100 * change)) +
-                              " %: " + remedy_of(image, "a smaller --smoothing"));
-    }
+    const int value = grid.values[r];
+    const std::string label = name_of(image, value);
+    grid.volumes.push_back(image.is_of_surfaces ? image.surface_volumes.at(std::size_t(value) - 1)
+                                                : voxel * static_cast<double>(contents.counts.at(value)));
+    grid.kept.push_back(voxel * static_cast<double>(after[r + 1]) / grid.volumes.back());
+    const double change = grid.kept.back() - 1;
+    if (after[r + 1] == 0 && !image.is_of_surfaces)
+      throw InputError(label, "too thin: nothing of it is left by the smoothing; use --smoothing 0");
+    if (std::abs(change) > reported_volume_change)
+      grid.warnings.push_back((image.is_of_surfaces ? "the smoothed voxels change the volume of "
+                                                    : "the smoothing changes the number of voxels of ") +
+                              label + " by " + rounded(std::round(100 * change)) +
+                              " %: " + (image.is_of_surfaces ? "choose a shorter --voxels, or " : "") +
+                              "use a smaller --smoothing");
   }
 }
 
@@ -220,10 +222,7 @@ LabelGrid make_label_grid(const LabelImage& image, double smoothing) {
   }
   for (std::size_t v = 0; v < background.size(); ++v) contest.enter(0, background[v], v);
   contest.close();
-  const double voxel_volume = std::abs(image.to_world.leftCols<3>().determinant());
-  for (const int value : grid.values)
-    grid.volumes.push_back(voxel_volume * static_cast<double>(contents.counts.at(value)));
-  compare_counts(image, contents, grid);
+  measure_regions(image, contents, grid);
   return grid;
 }
 

@@ -26,8 +26,9 @@ struct LabelGrid {
   std::vector<std::uint8_t> regions;     // region of each voxel, i fastest
   std::vector<float> margins;            // weight of each voxel, in (0, 1]
   Mat34<double> to_world = Mat34<double>::Zero();
-  std::vector<int> values;      // values of the image, ascending
-  std::vector<double> volumes;  // volume of each region [m³]; of an image's voxels, before the smoothing
+  std::vector<int> values;            // values of the image, ascending
+  std::vector<double> volumes;        // volume of each region [m³]: of its surface, or of an image's voxels
+  std::vector<double> kept;           // share of it that the smoothed voxels have
   std::vector<std::string> warnings;  // losses by the smoothing
 
   std::size_t index(Index i, Index j, Index k) const {
@@ -39,7 +40,7 @@ struct LabelGrid {
 };
 
 // Throws InputError: nothing but background, one value only, negative values, more than 250 values, a label
-// that the smoothing removes. O(#voxels in the boxes of the labels).
+// of an image that the smoothing removes (of surfaces, `kept` is 0). O(#voxels in the boxes of the labels).
 LabelGrid make_label_grid(const LabelImage& image, double smoothing);  // [voxels], 0: none
 
 // Finds the region of a point, 0 outside of the grid.
@@ -61,5 +62,8 @@ struct LabelSurfaces {
   std::vector<Mat3X<double>> junctions;  // lines where three or more regions meet, smoothed
 };
 LabelSurfaces label_surfaces(const LabelGrid& grid);
+
+// What is meshed of a grid that keeps something of each label.
+Model make_model(LabelGrid grid);
 
 }  // namespace lobe::meshing

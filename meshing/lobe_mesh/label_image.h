@@ -24,6 +24,8 @@ struct LabelImage {
   // Slicer, which writes no other; else 1. 0: it names one.
   double assumed_unit = 0;
   bool is_of_surfaces = false;  // label k + 1 is that of surface k, which voxelise() has turned into voxels
+  // Then the volume that each surface encloses, without what others win [m³]; else empty.
+  std::vector<double> surface_volumes = {};
 
   std::int32_t at(Index i, Index j, Index k) const {
     return values[static_cast<std::size_t>(i) +

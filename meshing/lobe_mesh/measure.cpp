@@ -72,6 +72,12 @@ double largest_volume_error(const MeshReport& report) {
   return largest;
 }
 
+double MeshReport::lost_volume() const {
+  double lost = 0;
+  for (const Part& part : parts) lost = std::max(lost, -part.volume_error());
+  return lost;
+}
+
 double MeshReport::largest_gap() const { return std::max(surface_to_mesh.largest, mesh_to_surface.largest); }
 
 double shape_of(const MeshReport& report) {
@@ -84,7 +90,8 @@ double shape_of(const MeshReport& report) {
 bool MeshReport::has_good_shapes() const { return shape_of(*this) >= 1; }
 
 bool MeshReport::passes() const {
-  return missing_labels() == 0 && largest_gap() <= quality_gate.gap * longest_edge && has_good_shapes();
+  return missing_labels() == 0 && lost_volume() <= quality_gate.lost_volume &&
+         largest_gap() <= quality_gate.gap * longest_edge && has_good_shapes();
 }
 
 void measure(const TetMesh& mesh, const Model& model, const MeshOptions& options, MeshReport& report) {

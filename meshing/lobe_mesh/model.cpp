@@ -84,8 +84,8 @@ Model make_model(std::vector<Surface> surfaces, std::size_t cavities) {
   return model;
 }
 
-Model make_model(const LabelImage& image, double smoothing) {
-  const auto grid = std::make_shared<const LabelGrid>(make_label_grid(image, smoothing));
+Model make_model(LabelGrid of_image) {
+  const auto grid = std::make_shared<const LabelGrid>(std::move(of_image));
   Model model;
   LabelSurfaces found = label_surfaces(*grid);
   model.surfaces = std::move(found.surfaces);
@@ -94,9 +94,14 @@ Model make_model(const LabelImage& image, double smoothing) {
   model.features.resize(model.surfaces.size());
   model.labels = grid->values;
   model.volumes = grid->volumes;
-  model.warnings = image.notes;
-  model.warnings.insert(model.warnings.end(), grid->warnings.begin(), grid->warnings.end());
+  model.warnings = grid->warnings;
   model.image_region = [grid, region = RegionAt(*grid)](const Vec3d& point) { return region(point) - 1; };
+  return model;
+}
+
+Model make_model(const LabelImage& image, double smoothing) {
+  Model model = make_model(make_label_grid(image, smoothing));
+  model.warnings.insert(model.warnings.begin(), image.notes.begin(), image.notes.end());
   return model;
 }
 

@@ -1,6 +1,7 @@
 // This file is part of lobe's meshing folder: GPL-3.0-or-later, see meshing/LICENSE.
 #include "lobe_mesh/tetrahedralise.h"
 
+#include <cmath>
 #include <sstream>
 
 #include "lobe/text.h"
@@ -79,6 +80,9 @@ std::string missed_bounds(const MeshReport& report) {
        quality_gate.smallest_altitude_ratio, "");
   miss(step < quality_gate.time_step_star, "dt* " + rounded(step) + ", at least", quality_gate.time_step_star,
        "");
+  miss(report.missing_labels() == 0 && report.lost_volume() > quality_gate.lost_volume,
+       rounded(std::round(report.lost_volume())) + " % of a label's volume lost, at most",
+       quality_gate.lost_volume, " %");
   miss(gap > largest_gap, rounded(gap) + " m between surface and mesh, at most", largest_gap, " m");
   return missed;
 }

@@ -36,6 +36,9 @@ struct MeshOptions {
   // Whether edges are shorter along parts of the surface that a mesh would lose, and in labels whose volume
   // it would not keep (cgal only). With `edge` 0 they are in any case.
   bool keep_thin = false;
+  // Whether voxels that lose much of a surface's volume are meshed all the same (voxels.h), and a mesh that
+  // has lost so much of a label's counts as done for the program (quality_gate.lost_volume).
+  bool accepts_loss = false;
   Mesher mesher = Mesher::cgal;
   // Number of surfaces, the last ones, that bound cavities: what they enclose is not meshed.
   std::size_t cavities = 0;
@@ -59,7 +62,8 @@ struct QualityGate {
   double min_dihedral = 15;              // [degrees]
   double smallest_altitude_ratio = 0.1;  // smallest altitude over the longest edge of its tetrahedron
   double time_step_star = 0.5;
-  double gap = 1;  // largest distance between surface and mesh, over the longest edge asked for
+  double gap = 1;           // largest distance between surface and mesh, over the longest edge asked for
+  double lost_volume = 25;  // largest part of a label's volume that is not in the mesh [%]
 };
 constexpr QualityGate quality_gate;
 constexpr int second_tries = 4;  // most further tries, after `tries`
@@ -125,6 +129,7 @@ struct MeshReport {
 
   Index missing_labels() const;  // labels without a tetrahedron
   double largest_gap() const;    // larger of both gaps [m]
+  double lost_volume() const;    // largest part of a label's volume that is not in the mesh [%]
   bool has_good_shapes() const;  // whether angles, altitudes and time step pass the gate
   bool passes() const;           // whether the mesh passes the gate with every label
 };

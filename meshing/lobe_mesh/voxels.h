@@ -23,8 +23,16 @@ enum class Winner { later, smaller };  // by their order, or by the volumes that
 LabelImage voxelise(const std::vector<Surface>& surfaces, double edge,  // [m] of a voxel
                     std::size_t cavities = 0, Winner winner = Winner::later);
 
-// As tetrahedralise() of the surfaces, but they may share walls and overlap. Sharp edges
-// are rounded by about a voxel, and parts thinner than two voxels may be lost. With Mesher::cgal only.
+// The longest edge of voxels tried [m], at most `longest`, by which each surface keeps its volume but for
+// quality_gate.lost_volume; 0: none of at most 20 million voxels does, or the volume is not positive. Shorter
+// ones than `longest` are tried from half the thickness of the thinnest surface on.
+double voxels_that_keep(const std::vector<Surface>& surfaces, double longest, std::size_t cavities,
+                        Winner winner, double smoothing);  // [voxels]
+
+// As tetrahedralise() of the surfaces, but they may share walls and overlap. Sharp edges are rounded by about
+// a voxel, and parts thinner than two voxels may be lost. Throws InputError where a surface loses more than
+// quality_gate.lost_volume, with an edge that keeps it; with options.accepts_loss that is a warning. With
+// Mesher::cgal only.
 TetMesh tetrahedralise_voxels(const std::vector<Surface>& surfaces, double voxel, const MeshOptions& options,
                               MeshReport& report, Winner winner = Winner::later);
 

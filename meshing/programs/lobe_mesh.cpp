@@ -149,9 +149,14 @@ TetMesh mesh_surfaces(const Options& o, std::vector<InputFile>& inputs, MeshRepo
   } catch (const SurfacesTouch& error) {
     if (!o.find_voxels) throw;
     const Fault& fault = error.faults().front();
-    const double edge = o.mesh.edge > 0 ? o.mesh.edge : default_edge(surfaces), voxel = edge / 3;
+    const double edge = o.mesh.edge > 0 ? o.mesh.edge : default_edge(surfaces), longest = edge / 3,
+                 keeping =
+                     voxels_that_keep(surfaces, longest, o.mesh.cavities, Winner::smaller, o.mesh.smoothing),
+                 voxel = keeping > 0 ? keeping : longest;
     warn(fault.place + " " + fault.message.substr(0, fault.message.find(':')) +
-         ": all are turned into voxels of " + rounded(voxel) + " m, of which the smaller surface wins");
+         ": all are turned into voxels of " + rounded(voxel) + " m" +
+         (voxel < longest ? ", which keep what is thin in them" : "") +
+         ", of which the smaller surface wins");
     return tetrahedralise_voxels(surfaces, voxel, o.mesh, report, Winner::smaller);
   }
 }
@@ -225,6 +230,17 @@ int draw(const Options& o, const TetMesh& mesh, const MeshReport& report) {
   return 1;
 }
 
+// Whether the mesh is no success, since it has lost a label, or too much of one. Then it is said.
+bool says_loss(const MeshReport& report) {
+  const double lost = report.lost_volume();
+  if (report.missing_labels() > 0)
+    print_errors("the mesh lacks a label of the input: choose a shorter edge for it, as the warning says");
+  else if (lost > quality_gate.lost_volume)
+    print_errors("the mesh has lost " + rounded(std::round(lost)) +
+                 " % of a label's volume: choose a shorter edge, as the warning says, or --accept-loss");
+  return report.missing_labels() > 0 || lost > quality_gate.lost_volume;
+}
+
 int run(const Options& given) {
   Options o = given;
   if (o.find_units && !o.is_image()) o.scale = found_scale(o);
@@ -237,10 +253,7 @@ int run(const Options& given) {
   write_with_groups(o, mesh, names_of_labels(o));
   write_report(o, in_json(inputs, o.output, o.mesh, report));
   say(o, in_words(report));
-  if (report.missing_labels() > 0) {
-    print_errors("the mesh lacks a label of the input: choose a shorter edge for it, as the warning says");
-    return 1;
-  }
+  if (!o.mesh.accepts_loss && says_loss(report)) return 1;
   return o.picture.empty() ? 0 : draw(o, mesh, report);
 }
 

@@ -176,6 +176,8 @@ void declare_body(CLI::App& app, Options& o) {
       ->capture_default_str();
   app.add_flag("--keep-thin", o.mesh.keep_thin,
                "shorter edges along thin parts that the mesh would lose; always without --edge");
+  app.add_flag("--accept-loss", o.mesh.accepts_loss,
+               "be content with a mesh, or with voxels, that lose more than a quarter of a part's volume");
   CLI::Option* scale =
       app.add_option("--scale", o.scale, "factor on the coordinates of the file, 0.001 for millimetres")
           ->capture_default_str();

@@ -494,6 +494,31 @@ TEST_CASE("surfaces that overlap or touch in other triangles become voxels where
   CHECK(contains(lobe_mesh(both + " --find-voxels --voxels 2").err, "--find-voxels"));
 }
 
+TEST_CASE("voxels that lose a part of the body end the programs with others that keep it, unless accepted") {
+  const SurfaceFolder folder;
+  Surface plate = make_cube(1);  // 60 × 60 × 1 mm, between the centres of voxels of 4 mm
+  plate.points = (Vec3d(0.06, 0.06, 0.001).asDiagonal() * plate.points).colwise() + Vec3d(0.02, 0, 0.001);
+  const std::string body = folder.write("body.stl", joined(make_sphere(0.01, 3), plate)).string(),
+                    made = body + " --voxels 0.004 -o " + (folder.path / "m.vtu").string();
+  const Run run = lobe_mesh(made);
+  CHECK(run.status == 2);
+  CHECK(contains(run.err, "surface 0: voxels of 0.004 m lose 4"));  // 46 % is in the plate
+  CHECK(contains(run.err, ": --voxels 0.0008"));
+  CHECK(contains(run.err, "(--accept-loss meshes what is left)"));
+  CHECK(!std::filesystem::exists(folder.path / "m.vtu"));
+  const Run accepted = lobe_mesh(made + " --accept-loss");
+  CHECK_MESSAGE(accepted.status == 0, accepted.err);
+  CHECK(contains(accepted.err, "warning: surface 0: voxels of 0.004 m lose 4"));
+  for (const char* command : {"scene", "view"}) {
+    CAPTURE(command);
+    const std::string line = "cd " + folder.path.string() + " && " + LOBE_BIN_DIR "/lobe " + command +
+                             " body.stl --voxels 0.004 >out 2>err";
+    CHECK(std::system(line.c_str()) != 0);
+    CHECK(contains(text_of(folder.path / "err"), ": --voxels 0.0008"));
+    CHECK(folder.file_count() == 4);  // neither mesh nor scene
+  }
+}
+
 TEST_CASE("lobe-mesh --void leaves a cavity out, and reports edges as lobe info does") {
   const SurfaceFolder folder;
   const std::string outer = folder.write("outer.stl", make_sphere(0.04, 3)).string(),

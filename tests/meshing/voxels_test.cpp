@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "lobe/mesh/quality.h"
+#include "lobe/text.h"
 #include "lobe_mesh/model.h"
 #include "lobe_mesh/volumes.h"
 #include "meshing/shapes.h"
@@ -63,9 +64,44 @@ TEST_CASE("voxels that make no sense are refused") {
   CHECK(contains(input_error([&] { voxelise(twice, 0); }), "must be a positive number"));
   CHECK(contains(input_error([&] { voxelise(twice, 1e-6); }),
                  "more than half a billion voxels: choose at least 2.6"));  // 1.05 · 0.02 m / ∛5e8 = 26.5 µm
-  CHECK(
-      contains(input_error([&] { tetrahedralise_voxels({make_cube(0.02)}, 0.02, {.edge = 0.005}, report); }),
-               "surface 0: too thin: nothing of it is left by the smoothing; choose a shorter --voxels"));
+  const std::string lost =
+      input_error([&] { tetrahedralise_voxels({make_cube(0.02)}, 0.02, {.edge = 0.005}, report); });
+  CHECK(contains(lost, "surface 0: voxels of 0.02 m lose all of its volume"));
+  CHECK(contains(lost, ": --voxels 0.0033 keeps it"));  // half of 2 V/A
+  CHECK(contains(input_error([&] {
+                   voxelise({make_cube(0.02), block({0.1, 0.1, 0.1}, {0.101, 0.101, 0.101})}, 0.02);
+                 }),
+                 "surface 1: has no voxel of 0.02 m of its own: it is too small or too thin"));
+}
+
+TEST_CASE("voxels that are coarse for a wall are refused with others that keep it, or accepted if asked to") {
+  const Surface shell = joined(make_sphere(0.02, 4), inverted(make_sphere(0.018, 4)));  // of 2 mm
+  const double volume = enclosed_volume(shell);
+  MeshReport report;
+  const std::string lost =
+      input_error([&] { tetrahedralise_voxels({shell}, 0.003, {.edge = 0.004}, report); });
+  CHECK(contains(lost, "surface 0: voxels of 0.003 m lose 9"));  // 90 to 99 %
+  CHECK(contains(lost, "--accept-loss"));
+  const double keeping = voxels_that_keep({shell}, 0.75 * 0.003, 0, Winner::later, 1);
+  CHECK(contains(lost, "--voxels " + rounded(keeping) + " keeps it"));
+  CHECK(keeping > 0.0008);
+  CHECK(keeping < 0.0023);
+  CHECK(voxels_that_keep({shell}, 0.0008, 0, Winner::later, 1) == 0.0008);  // none need be shorter
+  CHECK(voxels_that_keep({inverted(shell)}, 0.003, 0, Winner::later, 1) == 0);
+  CHECK(make_model(voxelise({shell}, keeping), 1).total_volume() == near(volume, 1e-9));  // not the voxels'
+}
+
+TEST_CASE("of several surfaces the one that voxels lose is named; a mesh of what is left is no success") {
+  const Surface ball = make_sphere(0.02, 4), plate = block({0.03, 0.0002, 0.0001}, {0.05, 0.02, 0.0011});
+  MeshReport report;
+  const MeshOptions options{.edge = 0.006};
+  CHECK(contains(input_error([&] {
+                   tetrahedralise_voxels({ball, plate}, 0.004, options, report);
+                 }),
+                 "surface 1: voxels of 0.004 m lose all of its volume"));
+  report.parts = {{0, 10, 1e-6, 1e-6}, {1, 5, 0.7e-6, 1e-6}};
+  CHECK(report.lost_volume() == near(30, 1e-9));
+  CHECK(!report.passes());
 }
 
 TEST_CASE("of surfaces that overlap the later one wins, or the smaller one whatever the order") {

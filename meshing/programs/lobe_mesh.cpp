@@ -18,6 +18,7 @@
 #include "lobe/io/grouped_mesh.h"
 #include "lobe/io/surface_io.h"
 #include "lobe/text.h"
+#include "lobe_mesh/body_size.h"
 #include "lobe_mesh/child_process.h"
 #include "lobe_mesh/diagnose.h"
 #include "lobe_mesh/errors.h"
@@ -111,6 +112,27 @@ int print_diagnosis(const Options& o, const Surface& surface) {
   const Diagnosis diagnosis = diagnose(surface);
   if (!o.marked.empty()) write_marked(o.marked, surface, diagnosis);
   std::cout << (o.json ? in_json(diagnosis) + "\n" : in_words(diagnosis));
+  return 0;
+}
+
+// Coordinates are those of the file, also where they are taken for millimetres.
+int print_size(const Options& o) {
+  const auto scale = [&](const BodySize& body, double found) {
+    return o.has_scale ? o.scale : body.size.norm() * found > largest_organ ? 0.001 * found : found;
+  };
+  BodySize body;
+  double found = 1;
+  if (o.is_image()) {
+    LabelImage image = read_label_image(o.surfaces.front());
+    if (image.assumed_unit > 0) found = image.assumed_unit;
+    image.to_world /= found;
+    body = size_of(image);
+  } else {
+    std::vector<Surface> surfaces;
+    for (const std::string& file : o.surfaces) surfaces.push_back(read_surface(file));
+    body = size_of(surfaces, o.mesh.cavities);
+  }
+  std::cout << in_json(body, scale(body, found)) << "\n";
   return 0;
 }
 
@@ -242,6 +264,7 @@ bool says_loss(const MeshReport& report) {
 }
 
 int run(const Options& given) {
+  if (given.measure) return print_size(given);
   Options o = given;
   if (o.find_units && !o.is_image()) o.scale = found_scale(o);
   if (o.diagnose) return print_diagnosis(o, scaled_surface(o.surfaces.front(), o));

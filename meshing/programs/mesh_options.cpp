@@ -65,7 +65,10 @@ void check(const CLI::App& app, const Options& o) {
   for (const char* option : {"--diagnose", "--repaired"})
     if (!o.voids.empty() && app.count(option) > 0)
       faults.push_back({"--void", std::string("not with ") + option});
-  if (!o.diagnose && o.output.empty() && o.repaired.empty())
+  for (const char* option : {"--diagnose", "--output", "--repaired"})
+    if (o.measure && app.count(option) > 0)
+      faults.push_back({"--measure", std::string("not with ") + option});
+  if (!o.diagnose && !o.measure && o.output.empty() && o.repaired.empty())
     faults.push_back({"--output", "missing: give -o MESH.vtu (or --diagnose, or --repaired SURFACE.ply)"});
   if (!o.output.empty() && !can_write_mesh(o.output)) {
     faults.push_back(
@@ -165,6 +168,9 @@ void declare_body(CLI::App& app, Options& o) {
                  "file for the surface after its repair: .obj, .off, .ply, .stl or .vtp; without -o no mesh "
                  "is made");
   app.add_flag("--diagnose", o.diagnose, "only say what is wrong with the surface");
+  app.add_flag("--measure", o.measure,
+               "only print how large the body is (JSON): its box, the factor to metres by its size, and the "
+               "volume and area of its parts, in the coordinates of the file");
   app.add_option("--marked", o.marked,
                  "file for the surface with its faults as data of the triangles: .vtp, .vtu or .ply");
   app.add_option("--edge", o.mesh.edge, "edge of the tetrahedra [m]; default: diagonal / 25");

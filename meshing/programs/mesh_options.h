@@ -22,7 +22,7 @@ struct Options {
   bool find_units = false;   // whether the scale is 0.001 for a body that is larger than an organ in metres
   double voxels = 0;         // [m] edge of those that surfaces are turned into, 0: none
   bool find_voxels = false;  // whether surfaces that cannot be meshed as they are become voxels
-  bool diagnose = false, json = false, quiet = false;
+  bool diagnose = false, measure = false, json = false, quiet = false;
   RepairOptions repair;
   MeshOptions mesh;
 

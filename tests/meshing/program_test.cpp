@@ -519,6 +519,65 @@ TEST_CASE("voxels that lose a part of the body end the programs with others that
   }
 }
 
+TEST_CASE("lobe-mesh --measure says how large a body is, in the coordinates of its files") {
+  const SurfaceFolder folder;
+  const auto measured = [](const std::string& arguments) {
+    const Run run = lobe_mesh(arguments + " --measure");
+    REQUIRE_MESSAGE(run.status == 0, run.err);
+    return nlohmann::json::parse(run.out);
+  };
+  Surface box = make_cube(1);
+  box.points = Vec3d(20, 30, 40).asDiagonal() * box.points;
+  for (const char* name : {"box.stl", "box.obj", "box.off"}) {
+    const auto json = measured(folder.write(name, inverted(box)).string());
+    CHECK(json["size"] == nlohmann::json{20.0, 30.0, 40.0});
+    CHECK(json["scale"] == 0.001);
+    REQUIRE(json["parts"].size() == 1);
+    CHECK(json["parts"][0]["volume"].get<double>() == near(24000, 1e-6));
+    CHECK(json["parts"][0]["area"].get<double>() == near(5200, 1e-6));
+  }
+  const std::string stl = (folder.path / "box.stl").string();
+  for (const char* name : {"box.ply", "box.vtp"}) {
+    const std::string file = (folder.path / name).string();
+    REQUIRE(lobe_mesh(stl + " --repaired " + file).status == 0);
+    CHECK(measured(file)["parts"][0]["volume"].get<double>() == near(24000, 1e-6));
+  }
+  CHECK(measured(stl + " --scale 0.01")["scale"] == 0.01);
+  // A part within another one: walls count on both sides.
+  Surface small = make_cube(1);
+  small.points = (small.points * 10).colwise() + Vec3d(5, 5, 5);
+  const auto parts = measured(folder.write("small.stl", small).string() + " " + stl)["parts"];
+  CHECK(parts[0]["volume"].get<double>() == near(1000, 1e-6));
+  CHECK(parts[1]["volume"].get<double>() == near(23000, 1e-6));
+  CHECK(parts[1]["area"].get<double>() == near(5800, 1e-6));
+  CHECK(measured(stl + " --void " + (folder.path / "small.stl").string())["parts"].size() == 1);
+
+  std::string voxels(4 * 4 * 4, '\0');  // two labels of 2 × 1 × 1
+  voxels[1 + 4 * (1 + 4 * 1)] = voxels[2 + 4 * (1 + 4 * 1)] = '\1';
+  voxels[1 + 4 * (2 + 4 * 1)] = voxels[2 + 4 * (2 + 4 * 1)] = '\3';
+  const auto image = measured(folder
+                                  .write("a.nrrd",
+                                         "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 4 4 4\nencoding: raw\n"
+                                         "spacings: 5 5 3\n\n" +
+                                             voxels)
+                                  .string());
+  CHECK(image["size"] == nlohmann::json{10.0, 10.0, 3.0});
+  CHECK(image["scale"] == 0.001);
+  REQUIRE(image["parts"].size() == 2);
+  CHECK(image["parts"][1]["volume"].get<double>() == near(150, 1e-6));
+  CHECK(image["parts"][1]["area"].get<double>() == near((2 * 50 + 2 * 30 + 2 * 15) / 1.5, 1e-6));
+}
+
+TEST_CASE("what has no size is refused by --measure") {
+  const SurfaceFolder folder;
+  const std::string open = folder.write("open.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n").string();
+  const Run run = lobe_mesh(open + " --measure");
+  CHECK(run.status == 2);
+  CHECK(contains(run.err, "surface 0: encloses no volume"));
+  CHECK(lobe_mesh(folder.write("bad.ply", "ply").string() + " --measure").status == 2);
+  CHECK(contains(lobe_mesh(open + " --measure -o m.vtu").err, "--measure: not with --output"));
+}
+
 TEST_CASE("lobe-mesh --void leaves a cavity out, and reports edges as lobe info does") {
   const SurfaceFolder folder;
   const std::string outer = folder.write("outer.stl", make_sphere(0.04, 3)).string(),

@@ -62,7 +62,7 @@ void StoredTerms<Real>::follow(const Elements& elements, const std::vector<Index
                                const std::vector<Index>& enter, RegionModel model) {
   layout_.resize(elements.topology.vertex_count(), elements.topology.tet_count());
   std::vector<Index> changed;
-  const std::vector<Layout::Item> items = items_of(model, elements, enter);
+  const std::vector<Layout::Item> items = items_of(model, elements, {}, enter);
   const auto entering = layout_.keep(items, [this](Index slot) { return corners_[slot]; });
   for (Index t : leave) {
     if (!layout_.must_leave(t)) continue;

@@ -99,8 +99,7 @@ struct Thread {
   bool runs_through() const;
   double free_length() const;  // natural length before its first bite: its other end hangs out there [m]
   // Lengthens the span to the needle to this way [m], and draws the others straight, by the ways between the
-  // bites [m], as far as that takes. Returns the number of the last bite that its end was drawn out of; −1:
-  // none.
+  // bites [m], as far as that takes. Returns the last bite that its end was drawn out of; −1: none.
   Index draw_through(double way, const std::vector<double>& ways);
   void leave_needle();
 };

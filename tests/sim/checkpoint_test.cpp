@@ -208,12 +208,12 @@ TEST_CASE("a checkpoint with a right checksum over wrong contents gives a checkp
   const Folder folder;
   write_checkpoint(folder.path / "state", world.save());
   const std::string whole = io::read_file(folder.path / "state");
-  const io::Format format{"lobestaf", 31, "state of a world in single precision"};
+  const io::Format format{"lobestaf", 32, "state of a world in single precision"};
   const std::string contents(io::unseal("state", whole, format));
   CHECK_THROWS_WITH_AS(
       parse_checkpoint<float>("state",
                               io::seal({"lobestaf", 19, "state of a world in single precision"}, contents)),
-      "state: is the state of a world in single precision in version 19; this program knows version 31",
+      "state: is the state of a world in single precision in version 19; this program knows version 32",
       InputError);
   int refused = 0;
   for (std::size_t at = 0; at < contents.size(); ++at)

@@ -203,7 +203,7 @@ Kept kept_by(const Filled& filled, double smoothing) {
 }
 
 // To two digits, downwards.
-double shortened(double edge) {
+double two_digits_of(double edge) {
   const double digit = std::pow(10.0, std::floor(std::log10(edge)) - 1);
   return std::floor(edge / digit * (1 + 1e-9)) * digit;
 }
@@ -241,7 +241,7 @@ double voxels_that_keep(const std::vector<Surface>& surfaces, double longest, st
     thickness = std::min(thickness, 2 * enclosed_volume(surfaces[k]) / area(surfaces[k]));
   if (!(thickness > 0)) return 0;
   for (double edge = longest; counts_along(all, edge).prod() <= most_tried_voxels;
-       edge = shortened(std::min(next_tried * edge, thickness / 2)))
+       edge = two_digits_of(std::min(next_tried * edge, thickness / 2)))
     if (kept_by(fill(surfaces, edge, cavities, winner), smoothing).share >= kept_share) return edge;
   return 0;
 }

@@ -1,6 +1,8 @@
 // What tests of needles share: a block, and a half circle that is turned through its top.
 #pragma once
 
+#include <doctest/doctest.h>
+
 #include <Eigen/Geometry>
 #include <cmath>
 #include <numbers>
@@ -8,13 +10,14 @@
 
 #include "lobe/mesh/generators.h"
 #include "lobe/setup/setup.h"
+#include "lobe/sim/world.h"
 #include "support.h"
 
 namespace lobe::test {
 
-inline constexpr double needle_frame = 0.002;
-inline constexpr double needle_radius = 0.01;      // [m]
-inline constexpr double block_top = 0.02;          // [m]
+inline constexpr double needle_frame = 0.002, sewing_frame = 0.01;  // [s]
+inline constexpr double needle_radius = 0.01;                       // [m]
+inline constexpr double block_top = 0.02;                           // [m]
 inline constexpr double half_chord = 0.009539392;  // where a needle at above_block enters, from it [m]
 inline const Vec3d above_block(0.0203, 0.0198, block_top + 0.003);
 
@@ -51,6 +54,42 @@ inline Setup sewn_block(double young = 2e4) {
   for (Index v = 0; v < setup.mesh.vertex_count(); ++v)
     if (setup.mesh.points(2, v) == 0) setup.prescribed.push_back({v});
   return setup;
+}
+
+inline NeedleSetup half_circle_needle(std::vector<PathPoint> path) {
+  NeedleSetup needle;
+  needle.name = "needle";
+  needle.settings = {{needle_radius, std::numbers::pi, 5e-4}, 0.2, 20};
+  needle.thread = 3;
+  needle.material.holds = 1.5;
+  needle.path = std::move(path);
+  return needle;
+}
+
+inline BringNeedle brought_needle(const PathPoint& at) {
+  const NeedleSetup needle = half_circle_needle({at});
+  return {needle.name, needle.settings, {at.position, at.orientation}, needle.thread, needle.material};
+}
+
+// Returns the events of the frames.
+template <class Real>
+std::vector<Event> play_frames(World<Real>& world, int frames) {
+  std::vector<Event> events;
+  for (int i = 0; i < frames; ++i) {
+    const Report report = world.advance(sewing_frame);
+    REQUIRE(report.ok);
+    events.insert(events.end(), report.events.begin(), report.events.end());
+  }
+  return events;
+}
+
+// The only thread of a world.
+template <class Real>
+const Thread& sewn_thread(World<Real>& world) {
+  const Threads<Real>* threads = term_of<Threads>(world.body().terms);
+  REQUIRE(threads);
+  REQUIRE(threads->all().size() == 1);
+  return threads->all().front();
 }
 
 }  // namespace lobe::test

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "lobe/error.h"
+#include "lobe/organ/kinds_of_terms.h"
 #include "lobe/sim/checkpoint.h"
 #include "near.h"
 #include "needle_support.h"
@@ -14,40 +15,10 @@ using namespace lobe::test;
 
 namespace {
 
-constexpr double sewing_frame = 0.01;
-
-NeedleSetup half_circle_needle(std::vector<PathPoint> path) {
-  NeedleSetup needle;
-  needle.name = "needle";
-  needle.settings = {{needle_radius, std::numbers::pi, 5e-4}, 0.2, 20};
-  needle.thread = 3;
-  needle.material.holds = 1.5;
-  needle.path = std::move(path);
-  return needle;
-}
-
 Setup sewn_by_needle(double duration = 0.5) {
   Setup setup = sewn_block();
   setup.needles = {half_circle_needle(turning(1, duration))};
   return setup;
-}
-
-template <class Real>
-void play_frames(World<Real>& world, int frames) {
-  for (int i = 0; i < frames; ++i) REQUIRE(world.advance(sewing_frame).ok);
-}
-
-template <class Real>
-const Thread& sewn_thread(World<Real>& world) {
-  const Threads<Real>* threads = term_of<Threads>(world.body().terms);
-  REQUIRE(threads);
-  REQUIRE(threads->all().size() == 1);
-  return threads->all().front();
-}
-
-BringNeedle brought_needle(const PathPoint& at) {
-  const NeedleSetup needle = half_circle_needle({at});
-  return {needle.name, needle.settings, {at.position, at.orientation}, needle.thread, needle.material};
 }
 
 }  // namespace
@@ -204,4 +175,136 @@ TEST_CASE("needles that make no sense are refused by name") {
   needle = brought_needle(turned(0, above_block, 3));
   needle.pose.orientation *= 2;
   CHECK_THROWS_AS(world.apply(needle), InputError);
+}
+
+// ---- What is around it
+
+TEST_CASE("needles and then threads come after all other terms, since they predict the motion") {
+  const std::span<const KindOfTerm<double>> kinds = kinds_of_terms<double>();
+  REQUIRE(kinds.size() > 3);
+  CHECK(kinds[kinds.size() - 2].name == Needles<double>::term_name);
+  CHECK(kinds[kinds.size() - 1].name == Threads<double>::term_name);
+  for (std::size_t i = 0; i < kinds.size(); ++i)
+    for (std::size_t k = 0; k < i; ++k) CHECK(kinds[i].name != kinds[k].name);
+}
+
+TEST_CASE("a world without needles has no term of them") {
+  World<double> world(sewn_block());
+  play_frames(world, 2);
+  CHECK(world.body().terms.empty());
+  CHECK(needle_figures(world).empty());
+}
+
+TEST_CASE_TEMPLATE("a needle tells where its tip goes in and comes out, with its force", Real, float,
+                   double) {
+  World<Real> world(sewn_by_needle());
+  std::vector<Event> events = play_frames(world, 55);
+  std::erase_if(events, [](const Event& event) { return event.kind == Event::Kind::drawn_out; });
+  REQUIRE(events.size() == 2);
+  CHECK(std::string(name(events[0].kind)) == "punctured");
+  CHECK(std::string(name(events[1].kind)) == "exited");
+  CHECK(events[0].text.find("needle \"needle\" has gone in, at 0.2") == 0);
+  for (int i = 0; i < 2; ++i) {
+    CHECK(events[std::size_t(i)].size >= 0.2);
+    CHECK(events[std::size_t(i)].size == near(0.2, 0.1));
+    REQUIRE(events[std::size_t(i)].place);
+    const Vec3d place = *events[std::size_t(i)].place;
+    CHECK((i == 0 ? place.x() < above_block.x() : place.x() > above_block.x()));
+    CHECK(std::abs(place.z() - block_top) < 0.004);
+    CHECK(events[std::size_t(i)].time > (i == 0 ? 0.02 : 0.2));
+  }
+}
+
+TEST_CASE_TEMPLATE("a needle goes on where a blade or a cautery cuts beside it", Real, float, double) {
+  Setup setup = sewn_by_needle();
+  SUBCASE("a blade between its entry and its tip") {
+    ScalpelSetup scalpel;
+    scalpel.path = {{0.2, {0.0167, -0.01, 0.012}}, {0.3, {0.0167, 0.05, 0.012}}};
+    scalpel.heels = {{0.0167, -0.01, 0.03}, {0.0167, 0.05, 0.03}};
+    setup.scalpels = {scalpel};
+  }
+  SUBCASE("a cautery beside it") {
+    CauterySetup cautery;
+    cautery.radius = 0.001;
+    cautery.path = {{0.2, {0.0155, 0.022, 0.019}}, {0.3, {0.0155, 0.03, 0.019}}};
+    setup.cauteries = {cautery};
+  }
+  SUBCASE("a cautery on its way") {
+    CauterySetup cautery;
+    cautery.radius = 0.002;
+    cautery.path = {{0.15, {0.014, 0.02, 0.016}}, {0.4, {0.03, 0.02, 0.016}}};
+    setup.cauteries = {cautery};
+  }
+  World<Real> world(setup);
+  play_frames(world, 22);
+  const Checkpoint<Real> middle = world.save();
+  double cut = 0;  // tetrahedra, and area [m²]
+  for (int i = 0; i < 36; ++i) {
+    const Report report = world.advance(sewing_frame);
+    REQUIRE(report.ok);
+    cut += report.tets_removed + report.cut_area;
+    for (const NeedleFigures& needle : needle_figures(world))
+      for (const EmbeddedPoint& hold : needle.holds) REQUIRE(exists(hold, world.elements().topology));
+  }
+  CHECK(cut > 0);
+  CHECK(fault_of(world) == "");
+  CHECK(needle_figures(world).front().inside == 0);
+  if (const Threads<Real>* threads = term_of<Threads>(world.body().terms))
+    for (const ThreadBite& bite : threads->all().front().bites)
+      CHECK(exists(bite.point, world.elements().topology));
+  World<Real> restored(setup);
+  restored.restore(middle);
+  play_frames(restored, 36);
+  CHECK(same_bits(restored, world));
+}
+
+TEST_CASE("everything may be cut away while a needle is in it, and the needle be taken away after that") {
+  World<double> world(sewn_block());
+  const std::vector<PathPoint> way = turning(1, 0.5);
+  world.apply(brought_needle(way.front()));
+  const auto go_on = [&](int from, int to) {
+    for (int i = from; i < to; ++i) {
+      const double time = (i + 1) * sewing_frame;
+      world.apply(Lead{1, {path_at(way, time), orientation_at(way, time)}});
+      REQUIRE(world.advance(sewing_frame).ok);
+    }
+  };
+  go_on(0, 25);
+  REQUIRE(needle_figures(world).front().inside > 0.003);
+  std::vector<Index> all(std::size_t(world.elements().topology.tet_count()));
+  for (std::size_t t = 0; t < all.size(); ++t) all[t] = Index(t);
+  world.apply(RemoveTets{all});
+  CHECK(needle_figures(world).front().inside == 0);
+  CHECK(needle_figures(world).front().holds.empty());
+  go_on(25, 30);
+  CHECK(needle_figures(world).front().force.norm() == 0);
+  world.apply(LetGo{1});
+  play_frames(world, 3);
+  CHECK(needle_figures(world).empty());
+  CHECK(fault_of(world) == "");
+}
+
+TEST_CASE("outside of steps the forces of a needle are those of its last step, wherever the tissue is") {
+  World<double> world(sewn_by_needle());
+  play_frames(world, 25);
+  Needles<double>* needles = term_of<Needles>(world.body().terms);
+  REQUIRE(needles);
+  const auto forces_at = [&](const Mat3X<double>& u) {
+    const ForceTerm<double>::At here = world.body().here();
+    Mat3X<double> f = Mat3X<double>::Zero(3, u.cols());
+    needles->add_forces({here.model, u, here.v, here.time}, f);
+    return f;
+  };
+  const Mat3X<double> u = world.body().here().u;
+  const Mat3X<double> f = forces_at(u), moved = forces_at(u + Mat3X<double>::Constant(3, u.cols(), 1e-3));
+  CHECK(f.norm() > 0);
+  CHECK(f == moved);
+  CHECK((f.rowwise().sum() - needle_figures(world).front().force).norm() < 1e-12);
+}
+
+TEST_CASE("single steps sew, too") {
+  World<double> world(sewn_by_needle());
+  const double dt = 2e-4;
+  while (world.time() < 0.55) REQUIRE(world.step(dt));
+  CHECK(sewn_thread(world).bites.size() == 2);
 }

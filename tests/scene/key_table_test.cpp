@@ -33,7 +33,7 @@ struct Tables {
   }
 };
 using All = Tables<SceneBody, Region, AutoRegions, SceneGesture, Time, Output, Boundary, ContactSetup,
-                   ObstacleSetup, PronyTerm>;
+                   ObstacleSetup, PronyTerm, TieSetup>;
 using ByExample = Tables<Selector, FibreField, RigidShape>;  // which the pages show by examples
 
 template <class Value>
@@ -125,7 +125,7 @@ TEST_CASE("rows of the reference begin as the tables of keys say") {
 TEST_CASE("rows say types, ranges, units and defaults") {
   std::vector<std::string> starts;
   Tables<Time>::for_each_row([&](const PageRow& row) { starts.push_back(row.start); });
-  REQUIRE(starts.size() == 13);
+  REQUIRE(starts.size() == 14);
   CHECK(starts[1] == "\n| `frame` | number > 0 [s] | 1/30 | ");
   CHECK(starts[3] == "\n| `safety` | number in (0, 1] | 0.9 | ");
   CHECK(starts[5] == "\n| `selective_mass` | integer in [1, 16] | 1 | ");

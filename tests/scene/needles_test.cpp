@@ -27,7 +27,7 @@ struct NeedleScene {
       "boundary": [{"fix": true, "where": {"box": {"min": [-1, -1, -1], "max": [1, 1, 1e-6]}}}],
       "tools": [{"type": "needle", "radius": 0.01, "angle": 2, "thickness": 0.0004, "puncture": 0.3,
                  "friction": 15, "thread": 2, "thread_holds": 1.5, "release": true,
-                 "path": [[0, 0.02, 0.02, 0.03, 0.5, 0.5, -0.5, 0.5], [1, 0.02, 0.02, 0.023]]}]})");
+                 "path": [[0, 0.02, 0.02, 0.031, 0.5, 0.5, -0.5, 0.5], [1, 0.02, 0.02, 0.023]]}]})");
   }
   Resolved resolved(const nlohmann::json& document) const {
     Scene read = parse_scene(document.dump(), folder.path / "scene.json");

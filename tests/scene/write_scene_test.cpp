@@ -68,7 +68,7 @@ TEST_CASE("the schema's defaults are the library's") {
   const json& definitions = schema["definitions"];
   CHECK(compare_defaults(schema["properties"], written) == 12);
   CHECK(compare_defaults(definitions["material"]["properties"], written["materials"][0]) == 4);
-  CHECK(compare_defaults(definitions["time"]["properties"], written["time"]) == 12);
+  CHECK(compare_defaults(definitions["time"]["properties"], written["time"]) == 13);
   CHECK(compare_defaults(definitions["output"]["properties"], written["output"]) == 2);
 }
 

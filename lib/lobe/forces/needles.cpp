@@ -147,13 +147,14 @@ void Needles<Real>::place(const Needle& needle, Scratch& scratch, const At& at, 
   }
 }
 
-// A tip that would have to pull at the surface comes off it.
+// A tip that would have to pull at the surface comes off it. Times are at most the end of the frame, so that
+// no later row of a path matters.
 template <class Real>
 void Needles<Real>::solve(Needle& needle, Scratch& scratch, const At& at, const Mat3X<Real>& f) {
   NeedlePassage& passage = needle.passage;
   scratch.punctures = false;
   for (int i = 0; i < 2; ++i) {
-    place(needle, scratch, at, at.time + at.kick.dt, &f);
+    place(needle, scratch, at, std::min(at.time + at.kick.dt, to_), &f);
     scratch.guide.solve(at.kick.dt, at.kick.push);
     if (!passage.touches()) return;
     const double sign = passage.tip == NeedlePassage::Tip::leaving ? 1 : -1;

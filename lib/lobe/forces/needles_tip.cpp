@@ -191,7 +191,7 @@ void Needles<Real>::seek_surface(Needle& needle, const Scratch& scratch, const A
   const NeedleShape& shape = needle.settings.shape;
   const Elements& elements = at.model.elements;
   const bool inwards = passage.tip == Tip::free;
-  const NeedlePose now = needle.pose(at.time), next = needle.pose(at.time + at.kick.dt);
+  const NeedlePose now = needle.pose(at.time), next = needle.pose(std::min(at.time + at.kick.dt, to_));
   const Vec3d from = now.place(shape, 0), to = next.place(shape, 0), forward = next.forward(shape, 0);
   double first = std::numeric_limits<double>::infinity();
   for (const Candidate& candidate : scratch.candidates) {

@@ -18,7 +18,7 @@ struct Property {
   int count_bytes = 0;
 };
 
-struct Element {
+struct PlyElement {
   std::string name;
   std::int64_t count = 0;
   std::vector<Property> properties;
@@ -28,7 +28,7 @@ enum class Format { ascii, little, big };
 
 struct Header {
   Format format = Format::ascii;
-  std::vector<Element> elements;
+  std::vector<PlyElement> elements;
   std::size_t body = 0;   // byte where the data begin
   std::size_t lines = 0;  // of the header
 };
@@ -136,7 +136,7 @@ class Body {
   std::size_t word_ = 0;
 };
 
-void read_element(const FileText& file, const Element& element, Body& body, Polygons& polygons) {
+void read_element(const FileText& file, const PlyElement& element, Body& body, Polygons& polygons) {
   const bool vertex = element.name == "vertex", face = element.name == "face";
   Vec3d point = Vec3d::Zero();
   if (element.properties.empty()) return;
@@ -169,7 +169,7 @@ Polygons parse_ply(const FileText& file) {
   const Header header = parse_header(file);
   Body body(file, header);
   Polygons polygons;
-  for (const Element& element : header.elements) read_element(file, element, body, polygons);
+  for (const PlyElement& element : header.elements) read_element(file, element, body, polygons);
   return polygons;
 }
 

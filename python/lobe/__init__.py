@@ -11,6 +11,7 @@ from ._lobe import (
     Grasp,
     InputError,
     Mesh,
+    Needle,
     Probe,
     Proposal,
     Report,
@@ -37,7 +38,7 @@ from .programs import bench, fit, mesh, read_table, rest, sensitivity, view
 
 __all__ = [
     "Cautery", "Checkpoint", "ClipApplier", "Condition", "Difference", "Event", "GestureOutcome", "Grasp",
-    "InputError", "Mesh",
+    "InputError", "Mesh", "Needle",
     "Probe", "Proposal", "Report", "Scalpel", "Scene", "Snapshot", "StaticResult",
     "Surface", "Tool", "Transitions", "World", "__version__",
     "bench", "box_mesh", "compare", "fit", "mesh", "propose_regions", "read_checkpoint", "read_mesh", "read_scene",

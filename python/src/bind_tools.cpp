@@ -87,8 +87,8 @@ py::array position_of(const PyGrasp& self) {
 
 void bind_tool(py::module_& module) {
   py::class_<PyTool>(module, "Tool",
-                     "A tool that a script leads. Grasp, Cautery, Scalpel, Probe and ClipApplier say more of "
-                     "some kinds.")
+                     "A tool that a script leads. Grasp, Cautery, Scalpel, Probe, ClipApplier and Needle say "
+                     "more of their kinds.")
       .def("move_to", &lead, py::arg("position"), py::arg("orientation") = py::none(),
            "Moves it to this position by the end of the next frame [m]. The orientation is a unit quaternion "
            "(x, y, z, w).")
@@ -204,6 +204,76 @@ void bind_probe(py::module_& module) {
            [](const PyProbe& self) { return describe_tool(self, "Probe", "its jaws close", "it is there"); });
 }
 
+// Returns value(tool, figures) of the needle of a handle. Before its first frame the figures say nothing.
+template <class Value>
+auto read_needle(const PyNeedle& self, Value&& value) {
+  return use(self, [&](AnyWorld& world) {
+    for (const Needle& needle : world.tools().lists().needles) {
+      if (needle.id != self.id || needle.has_gone()) continue;
+      for (const NeedleFigures& figures : world.needles())
+        if (figures.tool == self.id) return value(needle, figures);
+      return value(needle, NeedleFigures{});
+    }
+    throw InputError("tool", "was let go already");
+  });
+}
+
+const char* name_of_tip(NeedlePassage::Tip tip) {
+  constexpr const char* names[] = {"free", "pushing", "inside", "leaving"};
+  return names[int(tip)];
+}
+
+void bind_needle(py::module_& module) {
+  py::class_<PyNeedle, PyTool>(module, "Needle",
+                               "A curved needle that sews, with its thread. World.bring() makes it.")
+      .def(
+          "move_to", &lead, py::arg("position"), py::arg("orientation") = py::none(),
+          "Moves the centre of its circle to this position by the end of the next frame [m]. The orientation "
+          "is a unit\nquaternion (x, y, z, w) of its axes: turned about its z axis it goes along itself.")
+      .def("release", &let_go, "Takes it away. Its thread stays in the tissue.")
+      .def_property_readonly(
+          "force",
+          [](const PyNeedle& self) {
+            return copied(read_needle(self, [](const Needle& n, const NeedleFigures&) { return n.force; }));
+          },
+          "The force that it exerts on the body, mean over the last frame [N].")
+      .def_property_readonly(
+          "torque",
+          [](const PyNeedle& self) {
+            return copied(read_needle(self, [](const Needle& n, const NeedleFigures&) { return n.torque; }));
+          },
+          "The torque that it exerts on the body about its centre, mean over the last frame [N m].")
+      .def_property_readonly(
+          "tip",
+          [](const PyNeedle& self) {
+            return name_of_tip(
+                read_needle(self, [](const Needle&, const NeedleFigures& now) { return now.tip; }));
+          },
+          "Where its tip is: \"free\"; \"pushing\" on the surface; \"inside\"; \"leaving\", on the surface "
+          "from "
+          "inside.")
+      .def_property_readonly(
+          "inside",
+          [](const PyNeedle& self) {
+            return read_needle(self, [](const Needle&, const NeedleFigures& now) { return now.inside; });
+          },
+          "The length of it that is in tissue [m].")
+      .def_property_readonly(
+          "thread",
+          [](const PyNeedle& self) {
+            return read_needle(self, [](const Needle& n, const NeedleFigures&) { return n.thread; });
+          },
+          "The number of its thread, as in World.threads; None: it has none.")
+      .def_property_readonly(
+          "free_length",
+          [](const PyNeedle& self) {
+            return use(self, [&](AnyWorld& world) { return world.free_length(self.id); });
+          },
+          "How much of its thread hangs out before the first bite [m]; None: the thread is in no tissue.")
+      .def("__repr__",
+           [](const PyNeedle& self) { return describe_tool(self, "Needle", "it is there", "it is there"); });
+}
+
 }  // namespace
 
 py::list handles_of(const std::shared_ptr<PyWorld>& world) {
@@ -221,6 +291,7 @@ void bind_tools(py::module_& module) {
   bind_scalpel(module);
   bind_probe(module);
   bind_clip_applier(module);
+  bind_needle(module);
 }
 
 }  // namespace lobe::python

@@ -84,7 +84,7 @@ void add_tools(WorldClass& world) {
           "Brings a tool that a dictionary describes as a scene does (docs/scene.md), with \"at\", a row of "
           "its path\nwithout the time, in place of \"path\": {\"type\": \"probe\", \"shape\": {\"sphere\": "
           "{\"radius\": 0.01}}, \"at\": [0.1, 0, 0.05]}.\nReturns its handle: Cautery, Scalpel, Probe, "
-          "ClipApplier, or Tool for other kinds.\n"
+          "ClipApplier or Needle.\n"
           "folder: what relative paths of shapes are relative to.\nRaises ValueError with each fault and its "
           "JSON pointer.")
       .def("cautery", &bring_cautery, py::arg("position"), py::kw_only(), py::arg("radius"),

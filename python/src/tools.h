@@ -19,6 +19,7 @@ struct PyCautery : PyTool {};
 struct PyScalpel : PyTool {};
 struct PyProbe : PyTool {};
 struct PyClipApplier : PyTool {};
+struct PyNeedle : PyTool {};
 
 // The handle of a kind of tool: PyTool where Python has no class of its own for it.
 template <class Kind>
@@ -45,7 +46,11 @@ template <>
 struct HandleOf<ClipApplier> {
   using Type = PyClipApplier;
 };
-using AnyTool = std::variant<PyTool, PyGrasp, PyCautery, PyScalpel, PyProbe, PyClipApplier>;
+template <>
+struct HandleOf<Needle> {
+  using Type = PyNeedle;
+};
+using AnyTool = std::variant<PyTool, PyGrasp, PyCautery, PyScalpel, PyProbe, PyClipApplier, PyNeedle>;
 
 // The handle of the tool of this id.
 inline AnyTool handle_of(const std::shared_ptr<PyWorld>& world, AnyWorld& any, ToolId id) {

@@ -31,6 +31,13 @@ class WorldOf : public AnyWorld {
   std::vector<AttachmentFigures> attachments() override { return attachment_figures(world_); }
   std::vector<ClipFigures> clips() override { return clip_figures(world_); }
   std::vector<CarrierFigures> carriers() override { return carrier_figures(world_); }
+  std::vector<NeedleFigures> needles() override { return needle_figures(world_); }
+  std::optional<double> free_length(ToolId needle) const override {
+    if (const Threads<Real>* threads = term_of<Threads>(world_.body().terms))
+      for (const Thread& thread : threads->all())
+        if (thread.is_on_needle() && thread.hand.needle == needle) return thread.free_length();
+    return {};
+  }
   int next_thread() const override {
     int next = 0;
     for (const auto& term : world_.body().terms)

@@ -32,6 +32,9 @@ class AnyWorld {
   virtual std::vector<AttachmentFigures> attachments() = 0;
   virtual std::vector<ClipFigures> clips() = 0;
   virtual std::vector<CarrierFigures> carriers() = 0;
+  virtual std::vector<NeedleFigures> needles() = 0;
+  // Natural length of the thread of a needle before its first bite [m]; none: it draws none.
+  virtual std::optional<double> free_length(ToolId needle) const = 0;
   virtual int next_thread() const = 0;           // a number that no thread has
   virtual FoundPoint embed(const Vec3d& x) = 0;  // the tissue at x [m], or the nearest
   virtual double time_step_limit() = 0;

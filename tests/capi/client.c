@@ -83,6 +83,45 @@ static void sew(const char* data) {
   lobe_close(session);
 }
 
+/* A needle is turned through a block, whose top is at 12 mm, and its thread is tied. */
+static void sew_with_needle(const char* data) {
+  static const char* block =
+      "{\"mesh\": \"meshes/flank_5k.vtu\", \"materials\": [{\"lame_lambda\": 4e4, \"lame_mu\": 1e4}],"
+      "\"boundary\": [{\"fix\": true, \"where\": {\"plane\": {\"point\": [0, 0, 0], \"normal\": [0, 0, 1],"
+      "\"within\": 1e-6}}}], \"time\": {\"damping\": 40}}";
+  lobe_session* session = NULL;
+  CHECK(lobe_open_text(block, data, NULL, &session) == LOBE_OK);
+  if (!session) return;
+  CHECK(lobe_bring(session, 4,
+                   "{\"type\": \"needle\", \"radius\": 0.01, \"puncture\": 0, \"friction\": 20, "
+                   "\"at\": [0.04, 0.03, 0.015]}") == LOBE_BAD_INPUT &&
+        strstr(lobe_last_error(), "/puncture: 0, must be above 0"));
+  CHECK(lobe_bring(session, 4,
+                   "{\"type\": \"needle\", \"radius\": 0.01, \"puncture\": 0.2, \"friction\": 20, "
+                   "\"thread\": 3, \"at\": [0.0403, 0.0302, 0.015, 0, -0.7071067811865476, "
+                   "0.7071067811865476, 0]}") == LOBE_OK);
+  double most = 0; /* force on the needle [N] */
+  for (int i = 1; i <= 60; ++i) {
+    const double half = acos(-1.0) * i / 60.0; /* of the turn about -y since it was brought */
+    const double pose[7] = {0.0403, 0.0302, 0.015, 0, -sin(half), 0, cos(half)};
+    lobe_tool needle = {.size = sizeof needle};
+    CHECK(lobe_move(session, 4, pose) == LOBE_OK && lobe_advance(session, 1) == LOBE_OK);
+    CHECK(lobe_get_tool(session, 4, &needle) == LOBE_OK);
+    most = fmax(most, hypot(needle.force[0], needle.force[2]));
+  }
+  CHECK(most > 0.1 && most < 1);
+  CHECK(lobe_advance(session, 20) == LOBE_OK);
+  char text[2000];
+  lobe_messages(session, 0, text, sizeof text);
+  CHECK(strstr(text, "has gone in, at 0.2") && strstr(text, "has come out, at 0.2"));
+  CHECK(lobe_thread_lines(session, 0, NULL, NULL) == 2); /* between the bites, and to the needle */
+  CHECK(lobe_tie(session, 3, 0, 1, 0.002, 0.05) == LOBE_OK && lobe_release(session, 4) == LOBE_OK);
+  CHECK(lobe_advance(session, 10) == LOBE_OK);
+  float ends[18], tensions[3] = {0};
+  CHECK(lobe_thread_lines(session, 3, ends, tensions) == 2 && tensions[0] > 0);
+  lobe_close(session);
+}
+
 /* Names of bodies, and the body of each triangle. */
 static void two_bodies(const char* data) {
   static const char* organs =
@@ -566,6 +605,7 @@ int main(int argc, char** argv) {
   layout();
   two_bodies(argv[1]);
   sew(argv[1]);
+  sew_with_needle(argv[1]);
   lift_and_burn(argv[1], argv[2]);
   save_and_restore(argv[1], argv[2]);
   relaxation(argv[1]);

@@ -50,6 +50,7 @@ def test_every_class_says_what_it_is(mesh, scene, tip):
     probe = world.bring({"type": "probe", "shape": {"sphere": {"radius": 0.001}}, "at": [0, 0, 1]})
     clip = {"type": "clip_applier", "length": 0.006, "opening": 0.005, "gap": 0.002, "at": [0, 0, 1]}
     applier = world.bring(clip)
+    needle = world.bring({"type": "needle", "radius": 0.01, "puncture": 1, "friction": 20, "at": [0, 0, 1]})
     assert "takes hold in the next frame" in repr(grasp)
     report = world.advance(0.01)
     moment = world.snapshot()
@@ -63,11 +64,11 @@ def test_every_class_says_what_it_is(mesh, scene, tip):
     tied = lobe.World(scene)
     tied.attach("hair", [(0.09, 0.01, 0.01)], [(0.09, 0.01, 0.02)], stiffness=1, strength=1e-9, to_world=True)
     events = tied.advance(0.05).events
-    instances = [world, grasp, cautery, scalpel, probe, applier, report, report.transitions, moment, moment.surface,
+    instances = [world, grasp, cautery, scalpel, probe, applier, needle, report, report.transitions, moment, moment.surface,
                  static, lobe.compare(mesh, static.u, static.u), proposal, proposal.gestures[0], mesh, scene, world.save(),
                  *conditions[:1], *events[:1]]
     assert {type(instance).__name__ for instance in instances} == set(CLASSES) - {"Tool"}  # their base
-    assert all(isinstance(tool, lobe.Tool) for tool in (grasp, cautery, scalpel, probe, applier))
+    assert all(isinstance(tool, lobe.Tool) for tool in (grasp, cautery, scalpel, probe, applier, needle))
     for instance in instances:
         text = repr(instance)
         assert text.startswith("<lobe." + type(instance).__name__) and text.endswith(">"), text

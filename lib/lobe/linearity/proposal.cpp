@@ -225,9 +225,7 @@ class Proposer {
 };
 
 // The inside of a condensed region bears no load that turns, and nothing can pull at it.
-bool may_be_condensed(const Setup& setup) {
-  return setup.pressures.empty() && !setup.any_force();
-}
+bool may_be_condensed(const Setup& setup) { return setup.pressures.empty() && !setup.any_force(); }
 
 }  // namespace
 

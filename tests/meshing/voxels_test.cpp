@@ -80,7 +80,7 @@ TEST_CASE("voxels that are coarse for a wall are refused with others that keep i
   MeshReport report;
   const std::string lost =
       input_error([&] { tetrahedralise_voxels({shell}, 0.003, {.edge = 0.004}, report); });
-  CHECK(contains(lost, "surface 0: voxels of 0.003 m lose 9"));  // 90 to 99 %
+  CHECK(contains(lost, "surface 0: voxels of 0.003 m lose 64 %"));
   CHECK(contains(lost, "--accept-loss"));
   const double keeping = voxels_that_keep({shell}, 0.75 * 0.003, 0, Winner::later, 1);
   CHECK(contains(lost, "--voxels " + rounded(keeping) + " keeps it"));

@@ -64,7 +64,8 @@ def test_every_class_says_what_it_is(mesh, scene, tip):
     tied = lobe.World(scene)
     tied.attach("hair", [(0.09, 0.01, 0.01)], [(0.09, 0.01, 0.02)], stiffness=1, strength=1e-9, to_world=True)
     events = tied.advance(0.05).events
-    instances = [world, grasp, cautery, scalpel, probe, applier, needle, report, report.transitions, moment, moment.surface,
+    instances = [world, grasp, cautery, scalpel, probe, applier, needle, report, report.transitions, moment,
+                 moment.surface,
                  static, lobe.compare(mesh, static.u, static.u), proposal, proposal.gestures[0], mesh, scene, world.save(),
                  *conditions[:1], *events[:1]]
     assert {type(instance).__name__ for instance in instances} == set(CLASSES) - {"Tool"}  # their base

@@ -21,7 +21,8 @@ def turned(phi):
 
 
 def needle(**more):
-    return {"type": "needle", "radius": RADIUS, "puncture": 0.2, "friction": 20, "thread": 0, "thread_length": 0.2,
+    return {"type": "needle", "radius": RADIUS, "puncture": 0.2, "friction": 20, "thread": 0,
+            "thread_length": 0.2,
             "at": [*CENTRE, *turned(np.pi)], **more}
 
 

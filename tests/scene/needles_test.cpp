@@ -105,7 +105,8 @@ TEST_CASE("a needle that is thicker than an edge, begins inside, or stays away h
 
 TEST_CASE("a hand brings a needle by its JSON") {
   const ParsedTool needle = parse_tool(
-      R"({"type": "needle", "radius": 0.01, "puncture": 0.3, "friction": 15, "thread": 1, "at": [1, 2, 3, 0, 0, 1, 0]})");
+      R"({"type": "needle", "radius": 0.01, "puncture": 0.3, "friction": 15, "thread": 1,
+          "at": [1, 2, 3, 0, 0, 1, 0]})");
   const BringNeedle& command = std::get<BringNeedle>(needle.command);
   CHECK(command.settings.shape.radius == 0.01);
   CHECK(command.thread == 1);

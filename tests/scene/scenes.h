@@ -52,7 +52,8 @@ inline const std::string full_scene = R"({
   ],
   "loose_pieces": "vanish",
   "skin": "skin.obj",
-  "time": {"duration": 2.0, "frame": 0.02, "damping": 20, "safety": 0.8, "cut_step": 0.5, "selective_mass": 9, "ramp": 0.25, "load_ramp": 0.5, "sleep": 1e-5, "own_steps": true, "precision": "double",
+  "time": {"duration": 2.0, "frame": 0.02, "damping": 20, "safety": 0.8, "cut_step": 0.5, "selective_mass": 9,
+           "ramp": 0.25, "load_ramp": 0.5, "sleep": 1e-5, "own_steps": true, "precision": "double",
            "integrator": "implicit", "step": 0.005, "spectral_radius": 1.0},
   "output": {"every": 0.04, "pictures": [0.5, 1.5]}
 })";

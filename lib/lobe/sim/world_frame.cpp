@@ -115,6 +115,34 @@ void go_back(const StateColumns<Real>& state, const Sleep::State& sleep, Dynamic
   for (const auto& term : body.terms) term->take_back_steps();
 }
 
+void give_up(Report& report, Condition why) {
+  report.ok = false;
+  report.conditions.push_back(std::move(why));
+}
+
+// What a step of the next frame may last [s].
+template <class Real>
+double longest_step(const Organ<Real>& organ, double limit, double duration) {
+  if (!organ.implicit()) return organ.setup().safety * limit;
+  return organ.setup().implicit_step > 0 ? organ.setup().implicit_step : duration;
+}
+
+// The limit of the state at the end of a frame [s].
+template <class Real>
+double limit_at_end(Organ<Real>& organ, Dynamics<Real>& body, Report& report) {
+  if (organ.implicit()) return std::numeric_limits<double>::infinity();
+  const Timed timed(report, Phase::time_step);
+  return organ.limit().at_end(body);
+}
+
+// Ends levels before a frame is run again.
+template <class Real>
+void step_together(Dynamics<Real>& body, StateColumns<Real>& start) {
+  if (!body.own_steps || !body.own_steps->any()) return;
+  body.own_steps->end_after_trouble(body);
+  start = body.motion;
+}
+
 }  // namespace
 
 template <class Real>
@@ -228,15 +256,9 @@ void World<Real>::advance_to(double end, Report& report) {
   prepare_frame(duration, report);
   const bool in_transition = organ_.unreported().transitions.count != transitions;
   constexpr int most_steps = 1 << 20, most_tries = 9;
-  const double longest = !organ_.implicit()                 ? organ_.setup().safety * report.time_step_limit
-                         : organ_.setup().implicit_step > 0 ? organ_.setup().implicit_step
-                                                            : duration;
+  const double longest = longest_step(organ_, report.time_step_limit, duration);
   const double wanted = std::ceil(duration / longest * (1 - 1e-12));
-  if (!(wanted <= most_steps)) {
-    report.ok = false;
-    report.conditions.push_back(too_stiff(report.time_step_limit, time()));
-    return;
-  }
+  if (!(wanted <= most_steps)) return give_up(report, too_stiff(report.time_step_limit, time()));
   int steps = std::max(1, static_cast<int>(wanted));
   auto& own_steps = body().own_steps;
   if (own_steps) steps = own_steps->begin_frame(body(), steps, duration / steps, organ_.setup().safety);
@@ -251,11 +273,8 @@ void World<Real>::advance_to(double end, Report& report) {
     const bool done = run_steps(steps, step, attempt == 0, report);
     std::vector<Index> unseen;
     if (done && !body().terms.empty()) unseen = body().regions.pressed_unseen(body().motion);
-    double limit_after = std::numeric_limits<double>::infinity();
-    if (done && !organ_.implicit()) {
-      const Timed timed(report, Phase::time_step);
-      limit_after = organ_.limit().at_end(body());
-    }
+    double limit_after =
+        done ? limit_at_end(organ_, body(), report) : std::numeric_limits<double>::infinity();
     // If the body has become too stiff for the step that was taken, it may have begun to swing.
     const bool were_levels_too_high =
         done && step <= limit_after && own_steps && !own_steps->are_stable(step);
@@ -271,10 +290,7 @@ void World<Real>::advance_to(double end, Report& report) {
     fastest = culprit(elements().topology, body().motion);
     go_back(start, sleep_at_start, body());
     ++report.reruns;
-    if (own_steps && own_steps->any()) {  // all step together when the frame is run again
-      own_steps->end_after_trouble(body());
-      start = body().motion;
-    }
+    step_together(body(), start);
     if (!unseen.empty()) {  // the frame is run again, in which they move by themselves
       organ_.grant({Moment::steps_begin, {}, unseen});
       organ_.show_body();
@@ -285,13 +301,12 @@ void World<Real>::advance_to(double end, Report& report) {
     const double wanted_now = std::min<double>(duration / (organ_.setup().safety * limit_after), most_steps);
     const bool may_snap = in_transition && attempt == 0;
     const double times = were_levels_too_high ? 1 : may_snap ? more_for_snap : 2;
-    const int more = static_cast<int>(std::ceil(times * steps));
-    steps = unseen.empty() ? std::max(more, static_cast<int>(wanted_now))
-                           : std::max(steps, static_cast<int>(std::ceil(wanted_now)));
+    steps = unseen.empty()
+                ? std::max(static_cast<int>(std::ceil(times * steps)), static_cast<int>(wanted_now))
+                : std::max(steps, static_cast<int>(std::ceil(wanted_now)));
   }
-  report.ok = false;
   report.time_step = step;
-  report.conditions.push_back(diverged(step, fastest, time()));
+  give_up(report, diverged(step, fastest, time()));
 }
 
 template <class Real>

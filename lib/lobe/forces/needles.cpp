@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "lobe/error.h"
+#include "lobe/forces/inverse_mass.h"
 #include "lobe/text.h"
 #include "lobe/tool/paths.h"
 
@@ -83,12 +84,7 @@ void Needles<Real>::see_body(const BodyView& body, const At&) {
     return;
   seen_structure_ = now.structure;
   seen_inertia_ = now.inertia;
-  inverse_mass_.resize(3, Eigen::Index(body.mass.size()));
-  for (std::size_t v = 0; v < body.mass.size(); ++v)
-    inverse_mass_.col(Eigen::Index(v)).setConstant(body.mass[v] > 0 ? 1 / body.mass[v] : 0);
-  for (const HeldVertices::Held& item : body.model.held.all())
-    for (int i = 0; i < 3; ++i)
-      if (item.axes[i]) inverse_mass_(i, item.vertex) = 0;
+  set_inverse_mass(body, inverse_mass_);
 }
 
 // ---- Forces

@@ -3,6 +3,7 @@
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -17,6 +18,7 @@
 #include "lobe/contact/part_motion.h"
 #include "lobe/contact/quadrature.h"
 #include "lobe/cut/distance.h"
+#include "lobe/mesh/joined_mesh.h"
 #include "near.h"
 #include "support.h"
 #include "world_support.h"
@@ -513,4 +515,94 @@ TEST_CASE("a search finds the pair of a point that is held, however far apart th
   std::set<std::pair<int, Index>> expected = near;
   expected.insert({triangle, farthest});
   CHECK(pairs() == expected);
+}
+
+namespace {
+
+// A coarse block, and a bar of fine cells that lies on it.
+Setup block_and_fine_bar() {
+  Setup setup = setup_of(box_mesh({0.06, 0.04, 0.02}, 6, 4, 2));
+  const TetMesh block = setup.mesh;
+  setup.mesh = {};
+  append_body(block, "block", setup.mesh);
+  TetMesh bar = box_mesh({0.04, 0.003, 0.003}, 14, 1, 1);
+  bar.points.colwise() += Vec3d(0.01, 0.01, 0.0203);
+  append_body(bar, "bar", setup.mesh);
+  setup.material_of.assign(std::size_t(setup.mesh.tet_count()), 0);
+  setup.region_of.assign(std::size_t(setup.mesh.tet_count()), RegionModel::nonlinear);
+  setup.contact.self = true;
+  return setup;
+}
+
+// The distance of the nearest pair that may touch but is not listed [m].
+double least_unlisted(const PairSearch& search, const SelfRest& rest, const ContactSurface& surface,
+                      const Places& places) {
+  std::set<std::pair<int, int>> listed;  // triangle, layer
+  for (const PairSearch::Pair& pair : search.pairs())
+    listed.insert({search.candidates()[std::size_t(pair.candidate)].triangle, pair.layer});
+  double least = std::numeric_limits<double>::infinity();
+  for (int t = 0; t < static_cast<int>(surface.triangles().size()); ++t) {
+    const ContactSurface::Triangle& triangle = surface.triangles()[std::size_t(t)];
+    Mat3<double> x;
+    for (int c = 0; c < 3; ++c) x.col(c) = places.of_point(triangle.points[c]);
+    const auto own = rest.boundary.own_of(t);
+    const std::set<int> never(own.begin(), own.end());
+    for (int l = 0; l < static_cast<int>(rest.boundary.tets().size()); ++l) {
+      if (never.contains(l) || listed.contains({t, l}) ||
+          rest.divisions(triangle.body, rest.body_of[std::size_t(l)]) == 0)
+        continue;
+      Mat34<double> tet;
+      for (int c = 0; c < 4; ++c) tet.col(c) = places.of_vertex(rest.layer(l).corners[c]);
+      const Vec3d apart = (tet.rowwise().minCoeff() - x.rowwise().maxCoeff())
+                              .cwiseMax(x.rowwise().minCoeff() - tet.rowwise().maxCoeff());
+      if (apart.maxCoeff() >= least) continue;
+      least = std::min(least, shortest_way(tet, outermost(x)).norm());
+    }
+  }
+  return least;
+}
+
+}  // namespace
+
+TEST_CASE(
+    "pairs that are not listed are no nearer than a search says, whatever it has kept of the last one") {
+  const Setup setup = block_and_fine_bar();
+  World<double> world(setup);
+  REQUIRE(world.step(0.8 * world.time_step_limit()));
+  auto& contact = dynamic_cast<Contact<double>&>(*world.body().terms.front());
+  const ContactSurface& surface = contact.surface();
+  SelfRest rest;
+  rest.rebuild(surface, world.elements());
+  CHECK(rest.reach(1, 1) < 0.5 * rest.reach(0, 0));
+  PairSearch search(rest);
+  search.rebuild();
+  const Mat3X<double>& X = setup.mesh.points;
+  Mat3X<double> u = Mat3X<double>::Zero(3, X.cols());
+  const Mat3X<double> v = u;
+  const Places places(surface, world.body().model, u, v);
+  Stations stations;
+  const double edge = rest.least_reach();
+  int kept = 0, searches = 0;
+  const Index first_of_bar = mesh_of_body(setup.mesh, 0).vertex_count();
+  for (int k = 0; k < 30; ++k) {
+    for (Index i = 0; i < X.cols(); ++i) {  // the bar goes round and bends; the block is strained
+      const double x = X(0, i), angle = 0.2 * k;
+      u.col(i) = i < first_of_bar
+                     ? Vec3d(0, 0, 0.002 * k * x)
+                     : Vec3d(0.012 * std::sin(angle), 0.012 * (1 - std::cos(angle)) + 0.2 * k * x * x, 0);
+    }
+    stations.set(Stations::measured, places, 0);
+    search.place(stations, places);
+    const double room = search.is_searched() ? search.room_for_others(0.5 * edge) : -1;
+    if (search.is_searched()) CHECK(least_unlisted(search, rest, surface, places) >= rest.near + room);
+    if (room >= 0.15 * edge) continue;
+    search.widen();
+    search.search(surface, {});
+    ++searches;
+    kept += int(std::count_if(search.before().begin(), search.before().end(), [](int i) { return i >= 0; }));
+    CHECK(least_unlisted(search, rest, surface, places) >= search.within());
+  }
+  MESSAGE(searches << " searches kept " << kept << " pairs");
+  CHECK(searches > 3);
+  CHECK(kept > 100);
 }

@@ -116,13 +116,15 @@ void BoundaryLayer::find_faces(Tet& tet) {
     most = std::min(most, farthest);
   }
   tet.first_face = static_cast<int>(faces_.size());
+  std::vector<std::pair<double, int>> found;  // distance from the centre, face
   for (int f : around)
-    if (heights(f).minCoeff() < -1e-9 * radius && distance(centre, f) - radius <= most * (1 + 1e-9))
-      faces_.push_back(f);
+    if (heights(f).minCoeff() < -1e-9 * radius) {
+      const double away = distance(centre, f);
+      if (away - radius <= most * (1 + 1e-9)) found.emplace_back(away, f);
+    }
+  std::sort(found.begin(), found.end());
+  for (const auto& [away, f] : found) faces_.push_back(f);
   tet.faces = static_cast<int>(faces_.size()) - tet.first_face;
-  std::sort(faces_.begin() + tet.first_face, faces_.end(), [&](int a, int b) {
-    return std::pair(distance(centre, a), a) < std::pair(distance(centre, b), b);
-  });
 }
 
 // The vertices of a triangle and its neighbours.

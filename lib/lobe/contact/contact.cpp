@@ -270,9 +270,9 @@ template <class Real>
 void Contact<Real>::find_soon(const At& at, double ahead) {
   scratch_->later.setZero(6, at.u.cols());
   scratch_->soon = at.u + Real(ahead) * at.v;
-  self_->forget();
+  self_->leave_path();
   add_self_stiffness({at.model, scratch_->soon, at.v, at.time}, scratch_->later);
-  self_->forget();
+  self_->leave_path();
 }
 
 template <class Real>

@@ -12,7 +12,8 @@ namespace lobe {
 namespace {
 
 constexpr std::size_t width = PairBlock::width;
-constexpr double most_room_share = 0.5;  // how much nearer pairs may come between two measurements, in edges
+// How much nearer pairs may come between two measurements, in the least reach of two bodies.
+constexpr double most_room_share = 0.5;
 // A search is due when there is less room than this share of the most.
 constexpr double least_room_share = 0.3;
 // A station is where the body will be after this share of the room, or after so many steps.
@@ -35,7 +36,7 @@ void visit_within(const std::vector<PairBlock>& blocks, float limit, std::size_t
 void GapWatch::rebuild() {
   forget();
   clear_close();
-  most_room_ = most_room_share * rest_.mean_edge;
+  most_room_ = most_room_share * rest_.least_reach();
   next_look_room_ = 0.2 * most_room_;
   scratch_.place_of.assign(std::size_t(rest_.points.count()), -1);
 }
@@ -68,7 +69,11 @@ bool GapWatch::find_room(const SelfAt& at, double ahead) {
 
 void GapWatch::search(const SelfAt& at, const ContactMemory& memory) {
   search_.search(at.surface, memory);
+  std::vector<Watched>& before = scratch_.states;
+  before.swap(states_);
   states_.assign(search_.pairs().size(), {});
+  for (std::size_t i = 0; i < states_.size(); ++i)
+    if (const int last = search_.before()[i]; last >= 0) states_[i].turned = before[std::size_t(last)].turned;
   watched_.clear();
   held_.clear();
 }
@@ -198,6 +203,7 @@ void GapWatch::number_points() {
       else if (std::exchange(place_of[std::size_t(place)], 0) < 0)
         between.push_back(place);
     }
+  std::sort(between.begin(), between.end());
   for (int place : between) {
     SelfPoints::Between corners = rest_.points.between[std::size_t(place - vertices)];
     for (int& corner : corners.of) corner = use(corner);
@@ -241,7 +247,8 @@ bool GapWatch::look(const SelfAt& at, const ContactMemory& memory) {
   return true;
 }
 
-// Pairs that are held are always close.
+// Pairs that are held are always close. Forces at points between vertices are summed in the order of those,
+// so that bits do not depend on what else is close.
 void GapWatch::find_close() {
   clear_close();
   const auto limit = static_cast<float>(rest_.near + look_room_ + search_.rounding());
@@ -249,10 +256,12 @@ void GapWatch::find_close() {
     const auto k = std::size_t(states_[std::size_t(i)].place);
     blocks_[k / width].gap[k % width] = 0;
   }
-  if (!rest_.has_several_bodies()) return find_close_of(self_divisions, limit);
-  for (int divisions = 1; divisions <= self_divisions; ++divisions) find_close_of(divisions, limit);
-  std::sort(close_.candidates.begin(), close_.candidates.end(),
-            [](const auto& a, const auto& b) { return a.candidate < b.candidate; });
+  const int fewest = rest_.has_several_bodies() ? 1 : self_divisions;
+  for (int divisions = fewest; divisions <= self_divisions; ++divisions) find_close_of(divisions, limit);
+  if (rest_.has_several_bodies())
+    std::sort(close_.candidates.begin(), close_.candidates.end(),
+              [](const auto& a, const auto& b) { return a.candidate < b.candidate; });
+  std::sort(close_.between.begin(), close_.between.end());
 }
 
 void GapWatch::find_close_of(int divisions, float limit) {

@@ -12,6 +12,7 @@
 // whose gap is smaller even than that are close: in them each step seeks points of triangles.
 #pragma once
 
+#include <limits>
 #include <span>
 
 #include "lobe/contact/contact_memory.h"
@@ -66,6 +67,8 @@ class GapWatch {
 
   void rebuild();  // call it after that of the search
   void forget() { is_measured_ = false; }
+  // The next place may be any: how far vertices have moved in steps says nothing of it.
+  void leave_path() { moved_ = -std::numeric_limits<double>::infinity(); }
   // Looks, measures and searches where that is due.
   void keep(const SelfAt& at, const ContactMemory& memory);
 
@@ -80,6 +83,7 @@ class GapWatch {
     bool is_held = false;  // a point of the triangle is held in it
   };
   struct Scratch {
+    std::vector<Watched> states;            // states_ before a search
     std::vector<std::uint64_t> is_watched;  // a bit per pair
     std::vector<std::size_t> turned;        // ranks of pairs whose normals turn
     std::vector<PairBlock> turned_blocks;

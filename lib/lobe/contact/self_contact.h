@@ -49,6 +49,8 @@ class SelfContact {
     if (!rest_.points.vertices.empty()) watch_.keep(at, memory_);
   }
   void forget() { watch_.forget(); }
+  // Call it before keep_pairs() for a place that no step has led to, and after it.
+  void leave_path() { watch_.leave_path(); }
 
   // ---- Forces. memory().begin_forces() in each evaluation.
 

@@ -15,6 +15,7 @@ namespace {
 constexpr int tets_per_part = 48, most_parts = 256;
 constexpr double always_near = 0.01;  // in mean edges
 constexpr double larger = 1.2;        // edges of one body than those of another
+constexpr double least_share = 0.1;   // of the mean edge that a reach has: ten times what is always near
 
 }  // namespace
 
@@ -23,6 +24,7 @@ void SelfRest::rebuild(const ContactSurface& surface, const Elements& elements) 
   mean_edge = surface.mean_edge();
   near = always_near * mean_edge;
   choose_divisions(surface, elements.bodies);
+  choose_reaches(surface);
   take_points(surface, elements);
   divide_into_parts(surface);
 }
@@ -44,6 +46,20 @@ void SelfRest::choose_divisions(const ContactSurface& surface, const MeshBodies&
       if (own == other) continue;
       divisions_[std::size_t(own * bodies_ + other)] =
           edge > larger * partner ? 0 : std::clamp(int(std::ceil(2 * edge / partner)), 1, self_divisions);
+    }
+}
+
+// A thin duct beside a coarse organ would have far too many pairs within the mean edge of both.
+void SelfRest::choose_reaches(const ContactSurface& surface) {
+  reaches_.assign(divisions_.size(), mean_edge);
+  least_reach_ = mean_edge;
+  for (int own = 0; own < bodies_; ++own)
+    for (int other = 0; other < bodies_; ++other) {
+      const double edge = surface.mean_edge_of(own), partner = surface.mean_edge_of(other);
+      if (!(edge > 0 && partner > 0)) continue;
+      double& reach = reaches_[std::size_t(own * bodies_ + other)];
+      reach = std::clamp((edge + partner) / 2, least_share * mean_edge, mean_edge);
+      least_reach_ = std::min(least_reach_, reach);
     }
 }
 
@@ -76,14 +92,35 @@ void SelfRest::take_points(const ContactSurface& surface, const Elements& elemen
   points.find_between();
 }
 
+// Parts of one body each, since the motion of a part is fitted as a whole.
+void SelfRest::find_parts_of_layers(const std::vector<Vec3d>& centres) {
+  const int most = std::max(tets_per_part, static_cast<int>(centres.size()) / most_parts);
+  part_of_layer.assign(centres.size(), 0);
+  body_of_part.clear();
+  std::vector<Vec3d> of_body;
+  for (int body = 0; body < bodies_; ++body) {
+    const auto is_of_body = [&](std::size_t layer) { return !several_bodies_ || body_of[layer] == body; };
+    of_body.clear();
+    for (std::size_t l = 0; l < centres.size(); ++l)
+      if (is_of_body(l)) of_body.push_back(centres[l]);
+    const std::vector<int> parts_of_body = divide(of_body, most);
+    const auto first = static_cast<int>(body_of_part.size());
+    auto next = parts_of_body.begin();
+    for (std::size_t l = 0; l < centres.size(); ++l)
+      if (is_of_body(l)) part_of_layer[l] = first + *next++;
+    if (!of_body.empty())
+      body_of_part.resize(
+          std::size_t(first + *std::max_element(parts_of_body.begin(), parts_of_body.end()) + 1),
+          std::uint8_t(body));
+  }
+}
+
 void SelfRest::divide_into_parts(const ContactSurface& surface) {
   const std::vector<BoundaryLayer::Tet>& layers = boundary.tets();
   std::vector<Vec3d> centres;
   for (const BoundaryLayer::Tet& own : layers) centres.emplace_back(own.rest.rowwise().mean());
-  const std::vector<int> part_of_layer =
-      divide(centres, std::max(tets_per_part, static_cast<int>(layers.size()) / most_parts));
-  const int count = layers.empty() ? 0 : *std::max_element(part_of_layer.begin(), part_of_layer.end()) + 1;
-  parts.assign(std::size_t(count), {});
+  find_parts_of_layers(centres);
+  parts.assign(body_of_part.size(), {});
   for (std::size_t l = 0; l < layers.size(); ++l)
     for (int place : places_of[l]) parts[std::size_t(part_of_layer[l])].push_back(place);
   part_of_triangle.clear();
@@ -101,10 +138,10 @@ void SelfRest::divide_into_parts(const ContactSurface& surface) {
     }
   }
   for (std::vector<int>& own : parts) sort_unique(own);
-  divide_into_fours(centres, part_of_layer);
+  divide_into_fours(centres);
 }
 
-void SelfRest::divide_into_fours(const std::vector<Vec3d>& centres, const std::vector<int>& part_of_layer) {
+void SelfRest::divide_into_fours(const std::vector<Vec3d>& centres) {
   const std::vector<int> four_of = divide(centres, 4);
   std::vector<int> order(centres.size());
   std::iota(order.begin(), order.end(), 0);

@@ -27,12 +27,19 @@ struct SelfRest {
   double edge_ratio(int own, int other) const {
     return several_bodies_ ? edge_ratios_[std::size_t(own * bodies_ + other)] : 1;
   }
+  // How far apart triangles of one body and tetrahedra of another are looked for, but for a factor: the mean
+  // edge of the two, but no more than that of all, and no less than a tenth of it [m].
+  double reach(int own, int other) const {
+    return several_bodies_ ? reaches_[std::size_t(own * bodies_ + other)] : mean_edge;
+  }
+  double least_reach() const { return least_reach_; }  // of all pairs of bodies [m]
   bool has_several_bodies() const { return several_bodies_; }
   bool is_one_sided(int own, int other) const { return divisions(other, own) == 0; }
 
-  // Parts: of near tetrahedra with what triangles they own.
-  std::vector<std::vector<int>> parts;  // places of their points, ascending
-  std::vector<int> part_of_triangle;
+  // Parts: of near tetrahedra of one body with what triangles they own.
+  std::vector<std::vector<int>> parts;     // places of their points, ascending
+  std::vector<std::uint8_t> body_of_part;  // ascending
+  std::vector<int> part_of_triangle, part_of_layer;
   std::vector<Four> fours;      // part by part
   std::vector<int> first_four;  // per part, and their number
 
@@ -41,14 +48,18 @@ struct SelfRest {
 
  private:
   void choose_divisions(const ContactSurface& surface, const MeshBodies& bodies);
+  void choose_reaches(const ContactSurface& surface);
   void take_points(const ContactSurface& surface, const Elements& elements);
   void divide_into_parts(const ContactSurface& surface);
-  void divide_into_fours(const std::vector<Vec3d>& centres, const std::vector<int>& part_of_layer);
+  void find_parts_of_layers(const std::vector<Vec3d>& centres);
+  void divide_into_fours(const std::vector<Vec3d>& centres);
 
   bool several_bodies_ = false;
   int bodies_ = 1;
   std::vector<int> divisions_;       // divisions of triangles of one body for another: bodies_ × bodies_
   std::vector<double> edge_ratios_;  // ratios of mean edges, in the same order
+  std::vector<double> reaches_;      // [m], in the same order
+  double least_reach_ = 0;           // [m]
 };
 
 }  // namespace lobe

@@ -47,17 +47,21 @@ bool reads_another(const std::string& name, std::string_view content) {
   return head.find("data file:") != head.npos || head.find("datafile:") != head.npos;
 }
 
-void check_names(const nlohmann::json& json, const std::string& place) {
-  for (const auto& [key, value] : json.items()) {
-    const std::string here = place + "/" + key;
+using NamedFiles = std::vector<std::pair<nlohmann::json*, std::string>>;  // the entry, and what it says
+
+void collect_files(nlohmann::json& json, NamedFiles& found) {
+  for (auto& [key, value] : json.items()) {
     const bool may_name_a_file = key == "mesh" || key == "skin" || key == "file";
-    if (value.is_string() && may_name_a_file && !value.get_ref<const std::string&>().empty() &&
-        !is_plain(value.get<std::string>()))
-      throw InputError(here,
-                       value.get<std::string>() +
-                           ": a scene that is sent to lobe view names only files that are sent with it");
-    if (value.is_structured()) check_names(value, here);
+    if (may_name_a_file && value.is_string() && !value.get_ref<const std::string&>().empty())
+      found.emplace_back(&value, value.get<std::string>());
+    if (value.is_structured()) collect_files(value, found);
   }
+}
+
+// Of a path of this system, or of Windows.
+std::string last_part(const std::string& path) {
+  const std::size_t slash = path.find_last_of("/\\");
+  return slash == path.npos ? path : path.substr(slash + 1);
 }
 
 }  // namespace
@@ -65,7 +69,7 @@ void check_names(const nlohmann::json& json, const std::string& place) {
 std::vector<std::string> readable_extensions() {
   std::vector<std::string> all{".vtk", ".vtu", ".msh", ".msh2", ".mesh", ".node", ".ele", ".json"};
   if (program::sibling("lobe-mesh").is_absolute())
-    all.insert(all.end(), {".stl", ".obj", ".ply", ".vtp", ".nii", ".nii.gz", ".nrrd"});
+    all.insert(all.end(), {".stl", ".obj", ".off", ".ply", ".vtp", ".nii", ".nii.gz", ".nrrd"});
   return all;
 }
 
@@ -124,8 +128,40 @@ bool Inbox::has(const std::filesystem::path& file) const {
   return !relative.empty() && *relative.begin() != "..";
 }
 
-void check_names_beside(const std::filesystem::path& scene) {
-  check_names(parse_json(io::read_file(scene), scene.filename().string()), "");
+// As the page does, which counts characters in units of UTF-16.
+std::string plain_name(const std::string& name) {
+  std::string plain;
+  for (const char c : name) {
+    const auto byte = static_cast<unsigned char>(c);
+    const bool is_plain_letter = byte < 0x80 && (std::isalnum(byte) || c == '_' || c == '-' || c == '.');
+    if (is_plain_letter)
+      plain += c;
+    else if (byte < 0x80 || byte >= 0xc0)
+      plain += byte >= 0xf0 ? "__" : "_";
+  }
+  return plain.substr(std::min(plain.find_first_not_of(".-"), plain.size()));
+}
+
+std::vector<std::string> find_files_of_scene(const std::filesystem::path& scene,
+                                             const std::vector<std::string>& sent, const Known& known) {
+  nlohmann::json json = parse_json(io::read_file(scene), scene.filename().string());
+  NamedFiles named;
+  collect_files(json, named);
+  std::vector<std::string> missing;
+  bool is_changed = false;
+  for (auto& [entry, path] : named) {
+    std::string found = plain_name(last_part(path));
+    if (std::find(sent.begin(), sent.end(), found) == sent.end()) {
+      const std::filesystem::path here = known(path);
+      if (here.empty() && std::find(missing.begin(), missing.end(), found) == missing.end())
+        missing.push_back(found);
+      found = here.string();
+    }
+    is_changed = is_changed || found != path;
+    *entry = found;
+  }
+  if (missing.empty() && is_changed) io::write_file(scene, json.dump());
+  return missing;
 }
 
 }  // namespace lobe::view

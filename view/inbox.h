@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <functional>
 #include <set>
 #include <string>
 #include <string_view>
@@ -45,8 +46,18 @@ class Inbox {
 // The extensions of what may be sent: ".vtu" and so on; those of surfaces and images only where lobe-mesh is.
 std::vector<std::string> readable_extensions();
 
-// Throws InputError if a scene that was sent names a file that does not lie beside it: what a page sends
-// reads nothing else of this machine.
-void check_names_beside(const std::filesystem::path& scene);
+// The name under which a page sends a file of this name: what is not plain becomes "_".
+std::string plain_name(const std::string& name);
+
+// A file of this machine that a scene which was sent may name, since this program has read or written it;
+// empty: none.
+using Known = std::function<std::filesystem::path(const std::filesystem::path& named)>;
+
+// Makes a scene that was sent name its files where they are: the file of that name that was sent with it,
+// whatever folder the scene says; else the one that is known. What a page sends reads nothing else of this
+// machine. Returns the names of those that are missing, and then changes nothing. Throws InputError for what
+// is no JSON.
+std::vector<std::string> find_files_of_scene(const std::filesystem::path& scene,
+                                             const std::vector<std::string>& sent, const Known& known);
 
 }  // namespace lobe::view

@@ -18,6 +18,7 @@
 #include "lobe/scene/bind_groups.h"
 #include "lobe/scene/read_scene.h"
 #include "lobe/scene/scene_mesh.h"
+#include "pace.h"
 #include "page_files.h"
 #include "token.h"
 #include "viewer.h"
@@ -94,6 +95,9 @@ void add_options(CLI::App& app, Arguments& options) {
   app.add_flag("--no-open", options.no_open, "open no browser");
   app.add_option("--made-from", options.viewer.origin.files,
                  "file that `lobe scene` has made the scene from: the page can then make it anew")
+      ->allow_extra_args(false);
+  app.add_option("--made-warning", options.viewer.origin.warnings,
+                 "what lobe-mesh has said of its mesh, for the page to show")
       ->allow_extra_args(false);
   app.add_option("--made-scale", options.viewer.origin.scale, "the --scale that it was made with");
   app.add_flag(
@@ -181,6 +185,7 @@ std::unique_ptr<view::Viewer> begin(Arguments& options) {
   view::ViewerOptions viewer_options = options.viewer;
   viewer_options.saves_mesh = options.is_temporary && !meshes_beside(scene).empty();
   viewer_options.live.running = false;  // it begins with the first page
+  viewer_options.pace = view::measured_pace(options.viewer.live.threads);
   viewer_options.patience = std::chrono::milliseconds(std::lround(1e3 * options.patience));
   viewer_options.live.condensing = [&](double fraction) { bar.show(fraction); };
   return std::make_unique<view::Viewer>(std::move(scene), std::move(resolved), viewer_options);

@@ -7,6 +7,7 @@
 
 #include "console.h"
 #include "lobe/error.h"
+#include "lobe/io/mesh_io.h"
 #include "lobe/mesh/tet_mesh.h"
 #include "lobe/scene/bind_groups.h"
 #include "lobe/scene/material_constants.h"
@@ -33,12 +34,21 @@ std::string errors_of(const std::string& said) {
   return found.empty() ? last : found;
 }
 
+// The JSON object that a program has said, between warnings; discarded if there is none.
+Json json_among(const std::string& said) {
+  const std::size_t begin = said.starts_with('{') ? 0 : said.find("\n{"), end = said.rfind('}');
+  if (begin == said.npos || end == said.npos || begin > end) return Json(Json::value_t::discarded);
+  return Json::parse(said.substr(begin, end + 1 - begin), nullptr, false);
+}
+
 // Throws InputError with what is in trouble, and what the program says.
 void run_lobe(const std::vector<std::string>& arguments, const std::filesystem::path& folder,
               const std::string& trouble, Child& child) {
   const int status = child.run(arguments, folder);
   if (child.was_stopped()) throw InputError(trouble, "it was cancelled");
-  if (status == 127) throw InputError("lobe", "not found in the folder of lobe-view or on the PATH");
+  if (status == 127)
+    throw InputError(std::filesystem::path(arguments.front()).filename().string(),
+                     "not found in the folder of lobe-view or on the PATH");
   if (status != 0) throw InputError(trouble, errors_of(child.said()));
 }
 
@@ -99,6 +109,16 @@ Json holding_of(const Scene& scene) {
   return {{"hold", side.empty() ? "none" : side}, {"springs", springs}, {"pins", pins}};
 }
 
+// Files of VTK may have tetrahedra, triangles or both; `lobe scene` then takes the tetrahedra.
+bool has_tetrahedra(const std::filesystem::path& file) {
+  if (file.extension() != ".vtu" && file.extension() != ".vtk") return false;
+  try {
+    return read_mesh(file).mesh.tet_count() > 0;
+  } catch (const InputError&) {
+    return false;
+  }
+}
+
 }  // namespace
 
 Choices carried_over(Origin& origin, const Choices& wanted) {
@@ -128,16 +148,36 @@ std::filesystem::path make_scene_file(const Origin& origin, const Choices& choic
   return scene;
 }
 
+std::vector<std::string> warnings_of_mesher(const std::string& said) {
+  std::istringstream lines(said);
+  std::vector<std::string> found;
+  for (std::string line; std::getline(lines, line);) {
+    constexpr std::string_view mark = "lobe-mesh: warning: ";
+    if (const std::size_t at = line.find(mark); at != line.npos)
+      found.push_back(line.substr(at + mark.size()));
+  }
+  return found;
+}
+
+Json size_of_files(const std::vector<std::filesystem::path>& files, const std::filesystem::path& folder,
+                   Child& child) {
+  const std::string trouble = "its size was not found";
+  if (files.size() == 1 && has_tetrahedra(files.front()))
+    throw InputError(trouble, "it has tetrahedra, which stay as they are");
+  std::vector<std::string> arguments{program::sibling("lobe-mesh").string(), "--measure"};
+  for (const std::filesystem::path& file : files) arguments.push_back(file.string());
+  run_lobe(arguments, folder, trouble, child);
+  Json size = json_among(child.said());
+  if (!size.is_object()) throw InputError(trouble, "lobe-mesh has not said it");
+  return size;
+}
+
 Json total_errors_of(const std::filesystem::path& scene, const std::filesystem::path& folder, Child& child) {
   const std::string trouble = "the error was not measured";
   run_lobe({program::sibling("lobe").string(), "check", scene.string(), "--total-error", "--json"}, folder,
            trouble, child);
-  const std::string said = child.said();  // warnings are before and after it
-  const std::size_t begin = said.starts_with('{') ? 0 : said.find("\n{"), end = said.rfind('}');
-  if (begin != said.npos && end != said.npos && begin < end) {
-    const Json description = Json::parse(said.substr(begin, end + 1 - begin), nullptr, false);
-    if (description.is_object() && description.contains("total_error")) return description["total_error"];
-  }
+  const Json description = json_among(child.said());
+  if (description.is_object() && description.contains("total_error")) return description["total_error"];
   throw InputError(trouble, "lobe check has not said it");
 }
 
@@ -177,7 +217,8 @@ Json note_choices(Origin& origin, const Scene& scene, const Resolved& resolved) 
           {"scale", origin.scale},
           {"tets", mesh.tet_count()},
           {"volume", volume},
-          {"size", {size[0], size[1], size[2]}}};
+          {"size", {size[0], size[1], size[2]}},
+          {"warnings", origin.warnings}};
 }
 
 }  // namespace lobe::view

@@ -29,6 +29,7 @@ struct Origin {
   double scale = 0, edge = 0;       // what was asked for, as in Choices
   std::filesystem::path mesh = {};  // mesh of the scene as it was made
   double mesh_scale = 1;
+  std::vector<std::string> warnings = {};  // what lobe-mesh has said of its mesh
 };
 
 // What to choose where a scene is made anew of the same files, which `origin` then remembers: an edge and a
@@ -39,6 +40,13 @@ Choices carried_over(Origin& origin, const Choices& wanted);
 // Makes a scene in a folder, and returns its file. Throws InputError with what the program says.
 std::filesystem::path make_scene_file(const Origin& origin, const Choices& choices,
                                       const std::filesystem::path& folder, Child& child);
+
+// The warnings of lobe-mesh among what a program has said, without its name.
+std::vector<std::string> warnings_of_mesher(const std::string& said);
+
+// What `lobe-mesh --measure` says of surfaces or a label image. Throws InputError with what the program says.
+nlohmann::json size_of_files(const std::vector<std::filesystem::path>& files,
+                             const std::filesystem::path& folder, Child& child);
 
 // What `lobe check --total-error --json` says of a scene. Throws InputError with what the program says.
 nlohmann::json total_errors_of(const std::filesystem::path& scene, const std::filesystem::path& folder,

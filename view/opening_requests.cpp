@@ -25,12 +25,15 @@ void Viewer::open(const std::string& title, const Origin& origin, const MakeFile
         live.condensing = progress;
         task.live = start_live(task.scene, task.resolved, live);
         task.origin = origin;
+        for (std::string& warning : warnings_of_mesher(task.child.said()))
+          task.origin->warnings.push_back(std::move(warning));
       },
       title);
   changed();
 }
 
-void Viewer::make_and_open(const Origin& origin, const Choices& choices) {
+void Viewer::make_and_open(Origin origin, const Choices& choices) {
+  origin.warnings.clear();  // they are those of a mesh
   std::string names;
   for (const std::filesystem::path& file : origin.files)
     names += (names.empty() ? "" : ", ") + file.filename().string();
@@ -39,20 +42,91 @@ void Viewer::make_and_open(const Origin& origin, const Choices& choices) {
   });
 }
 
+namespace {
+
+// As the scene names them.
+std::vector<std::filesystem::path> files_of(Scene scene) {
+  std::vector<std::filesystem::path> files{scene.mesh, scene.skin};
+  for (const SceneBody& body : scene.bodies) files.push_back(body.mesh);
+  for (Tool& tool : scene.tools)
+    if (const std::filesystem::path* file = tool.shape_file()) files.push_back(*file);
+  files.insert(files.end(), scene.obstacle_files.begin(), scene.obstacle_files.end());
+  std::erase_if(files, [](const std::filesystem::path& file) { return file.empty(); });
+  return files;
+}
+
+}  // namespace
+
+// What this program has read, a page may name, too.
+void Viewer::know_files_of(const Scene& scene) {
+  const auto folder = std::filesystem::absolute(scene.file).parent_path();
+  for (const std::filesystem::path& file : files_of(scene))
+    if (!inbox_.has(folder / file)) known_.insert((folder / file).lexically_normal());
+}
+
+// What was saved beside a scene, its name is enough for.
+void Viewer::know_saved_files_of(const Scene& scene) {
+  for (const std::filesystem::path& file : files_of(scene))
+    if (!file.has_parent_path())
+      written_.insert((std::filesystem::absolute(options_.folder) / file).lexically_normal());
+}
+
+// By its path; or by its name alone, as scenes that were saved have their own files.
+std::filesystem::path Viewer::known_file(const std::filesystem::path& named) const {
+  const auto file = (std::filesystem::absolute(options_.folder) / named).lexically_normal();
+  const auto in_library = file.lexically_relative(options_.library);
+  const bool is_shipped = !options_.library.empty() && !in_library.empty() && *in_library.begin() != "..",
+             is_known =
+                 written_.contains(file) || (named.is_absolute() && (is_shipped || known_.contains(file)));
+  std::error_code error;
+  return is_known && std::filesystem::exists(file, error) ? file : std::filesystem::path();
+}
+
+void Viewer::open_sent_scene(ClientId client, const std::string& name, const std::vector<std::string>& sent) {
+  const std::filesystem::path file = inbox_.path_of(name);
+  const std::vector<std::string> missing = find_files_of_scene(
+      file, sent, [this](const std::filesystem::path& named) { return known_file(named); });
+  if (missing.empty()) return open("Opening " + name, {}, [file](Child&) { return file; });
+  std::string names;
+  for (const std::string& one : missing) names += (names.empty() ? "" : ", ") + one;
+  const Json event{{"event", "needs"},
+                   {"text", name + " names files that were not sent with it: " + names},
+                   {"files", missing}};
+  if (server_) server_->send(client, event.dump(-1, ' ', false, Json::error_handler_t::replace));
+}
+
 // A scene is taken as it is; anything else becomes one.
-void Viewer::perform(ClientId, const request::Open& what) {
-  if (what.files.empty()) throw InputError("/files", "names no file");
-  Origin origin{{}, what.scale, what.edge};
-  for (const std::string& name : what.files) {
-    const std::filesystem::path file = inbox_.path_of(name);
-    if (file.extension() == ".json") {
-      check_names_beside(file);
-      return open("Opening " + name, {}, [file](Child&) { return file; });
-    }
-    if (file.extension() != ".ele") origin.files.push_back(file);  // which is read with its .node
-  }
-  if (origin.files.empty()) throw InputError("/files", "the .node file is missing");
+void Viewer::perform(ClientId client, const request::Open& what) {
+  for (const std::string& name : what.files)
+    if (inbox_.path_of(name).extension() == ".json") return open_sent_scene(client, name, what.files);
+  Origin origin{surfaces_among(what.files), what.scale, what.edge};
   make_and_open(origin, {what.tissue, what.hold, what.edge, what.scale, what.springs});
+}
+
+std::vector<std::filesystem::path> Viewer::surfaces_among(const std::vector<std::string>& names) const {
+  if (names.empty()) throw InputError("/files", "names no file");
+  std::vector<std::filesystem::path> files;
+  for (const std::string& name : names)
+    if (const auto file = inbox_.path_of(name); file.extension() != ".ele")  // which is read with its .node
+      files.push_back(file);
+  if (files.empty()) throw InputError("/files", "the .node file is missing");
+  return files;
+}
+
+// A file that is no surface and no image has no size: it is opened without one.
+void Viewer::perform(ClientId, const request::Measure& what) {
+  const std::vector<std::filesystem::path> files = surfaces_among(what.files);
+  begin(
+      [files, names = what.files, folder = inbox_.make_folder()](Task& task) {
+        task.measured = {{"files", names}, {"body", nullptr}};
+        try {
+          task.measured["body"] = size_of_files(files, folder, task.child);
+        } catch (const InputError& error) {
+          task.measured["trouble"] = error.what();
+        }
+      },
+      "Looking at " + files.front().filename().string());
+  changed();
 }
 
 void Viewer::perform(ClientId, const request::OpenShipped& what) {
@@ -124,6 +198,7 @@ void Viewer::perform(ClientId, const request::SaveScene& what) {
   const std::filesystem::path file = options_.folder / (what.to + ".json");
   io::write_file(file, to_json(scene));
   saved_.insert(what.to);
+  know_saved_files_of(scene);
   tell_all("note", "Saved. To play it: lobe view " + file.string());
 }
 
@@ -139,6 +214,8 @@ void Viewer::write_choices(Client& client, BlockWriter& out) {
                      {"chosen", chosen_},
                      {"is_painted", is_painted_},
                      {"errors", errors_},
+                     {"measured", measured_},
+                     {"pace", options_.pace},
                      {"shipped", shipped},
                      {"tissues", known},
                      {"extensions", readable_extensions()},

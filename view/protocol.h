@@ -337,6 +337,12 @@ struct Open {
       std::tuple(Field{"files", &Open::files}, Field{"tissue", &Open::tissue}, Field{"hold", &Open::hold},
                  Field{"springs", &Open::springs}, Field{"edge", &Open::edge}, Field{"scale", &Open::scale});
 };
+// Finds out how large the body in files that were sent is, before it is meshed.
+struct Measure {
+  std::vector<std::string> files;
+  static constexpr const char* name = "measure";
+  static constexpr auto fields = std::tuple(Field{"files", &Measure::files});
+};
 // Opens one of the scenes and meshes that come with lobe (library.h).
 struct OpenShipped {
   std::string what;
@@ -375,7 +381,7 @@ using Any =
     std::variant<Seen, Take, Bring, TurnOn, Lead, LetGo, TakeThread, Stitch, PullThread, DropThread,
                  TieThread, CutThreadNear, Pause, Step, Speed, Restart, Back, Show, Skin, Control, HandOver,
                  Keep, Export, Edit, Paint, PaintMaterial, NewMaterial, Mend, PaintAll, Stroke, Undo, Propose,
-                 Apply, Save, Open, OpenShipped, Remake, Judge, Cancel, SaveScene>;
+                 Apply, Save, Open, Measure, OpenShipped, Remake, Judge, Cancel, SaveScene>;
 }  // namespace request
 
 inline constexpr int hand_count = 8;

@@ -7,6 +7,7 @@
 #include "lobe/error.h"
 #include "lobe/file/atomic_file.h"
 #include "lobe/live/session_scene.h"
+#include "lobe/scene/read_scene.h"
 #include "lobe/scene/scene_mesh.h"
 #include "lobe/scene/write_scene.h"
 #include "viewer.h"
@@ -176,6 +177,7 @@ void Viewer::perform(ClientId, const request::Export& what) {
   const std::filesystem::path file = options_.folder / (what.to + ".json");
   io::write_file(file, to_json(scene));
   saved_.insert(what.to);
+  know_saved_files_of(scene);
   std::string note = "What the hands did is saved. To play it: lobe run " + file.string() + " -o out";
   if (const auto gestures = save_gestures(what.to, scene))
     note += ". With regions that are chosen for it: lobe run " + gestures->string() + " -o out";
@@ -294,6 +296,7 @@ void Viewer::perform(ClientId, const request::Save& what) {
   };
   const std::filesystem::path file = painting().save(options_.folder, what.to, keep_files);
   saved_.insert(what.to);
+  know_saved_files_of(read_scene(file));
   tell_all("note", "Saved. To play it: lobe view " + file.string());
 }
 

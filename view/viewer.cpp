@@ -24,6 +24,7 @@ Viewer::Viewer(Scene scene, Resolved resolved, const ViewerOptions& options)
   if (options.haptic.device != "none") live_->take_haptics(std::make_unique<HapticRig>(options.haptic));
   if (resolved_.proposal) proposal_ = resolved_.proposal;
   chosen_ = note_choices(origin_, scene_, resolved_);
+  know_files_of(scene_);
 }
 
 Viewer::~Viewer() = default;
@@ -217,6 +218,11 @@ void Viewer::finish_task() {
   changed();
   if (!task->trouble.empty()) return tell_all("error", task->trouble);
   for (const std::string& warning : task->resolved.warnings) tell_all("note", warning);
+  if (!task->measured.is_null()) {
+    measured_ = task->measured;
+    ++choices_;
+    return;
+  }
   if (!task->errors.is_null()) {
     errors_ = task->errors;
     ++choices_;
@@ -256,6 +262,7 @@ void Viewer::take_over(Task& task) {
   if (task.origin) {
     origin_ = *task.origin;
     chosen_ = note_choices(origin_, scene_, resolved_);
+    know_files_of(scene_);
     painting_.reset();
     proposal_ = resolved_.proposal;
     ++opened_;

@@ -30,6 +30,7 @@ struct ViewerOptions {
   std::chrono::milliseconds patience{10000};  // time for a page to answer who asks for the instruments
   bool saves_mesh = false;                    // beside each scene, since the file of the mesh will be gone
   Origin origin = {};                         // origin of the scene, if it was made
+  double pace = 0;                            // as measured_pace() says [s]; 0: unknown
   std::filesystem::path library = library_folder();
 };
 
@@ -87,6 +88,7 @@ class Viewer final : public Service {
     std::string title;             // what is being opened or measured; empty: nothing is
     std::optional<Origin> origin;  // origin of the scene that is opened
     nlohmann::json errors;         // errors that were measured; null: none were
+    nlohmann::json measured;       // size of the body in files; null: it was not asked for
     Child child;                   // process that makes it
   };
 
@@ -119,7 +121,12 @@ class Viewer final : public Service {
   void begin(const std::function<void(Task&)>& work, const std::string& title = {});
   using MakeFile = std::function<std::filesystem::path(Child& child)>;
   void open(const std::string& title, const Origin& origin, const MakeFile& make_file);
-  void make_and_open(const Origin& origin, const Choices& choices);
+  void make_and_open(Origin origin, const Choices& choices);
+  void open_sent_scene(ClientId client, const std::string& name, const std::vector<std::string>& sent);
+  void know_files_of(const Scene& scene);
+  void know_saved_files_of(const Scene& scene);
+  std::filesystem::path known_file(const std::filesystem::path& named) const;
+  std::vector<std::filesystem::path> surfaces_among(const std::vector<std::string>& names) const;
   void write_choices(Client& client, BlockWriter& out);
   // With absolute paths, and files that pages have sent beside it.
   Scene to_be_saved(Scene scene, const std::filesystem::path& folder, const std::string& stem) const;
@@ -163,6 +170,7 @@ class Viewer final : public Service {
   void perform(ClientId client, const request::Apply& what);
   void perform(ClientId client, const request::Save& what);
   void perform(ClientId client, const request::Open& what);
+  void perform(ClientId client, const request::Measure& what);
   void perform(ClientId client, const request::OpenShipped& what);
   void perform(ClientId client, const request::Remake& what);
   void perform(ClientId client, const request::Judge& what);
@@ -195,6 +203,9 @@ class Viewer final : public Service {
   int choices_ = 0;                               // grows when pages must hear of these
   std::vector<std::shared_ptr<Task>> abandoned_;  // tasks that were cancelled, whose threads may go on
   std::set<std::string> saved_;                   // names of files that this program has made
+  std::set<std::filesystem::path> known_;         // files of scenes that were opened, by absolute paths
+  std::set<std::filesystem::path> written_;       // those of scenes that were saved
+  nlohmann::json measured_;                       // what was measured last; null: nothing
   double number_ = 0;                             // number of the request that is carried out
   std::uint64_t painted_ = 1;                     // grows with each change of the painting
   std::optional<Proposal> proposal_;

@@ -104,7 +104,8 @@ struct MakeSceneOptions {
 std::vector<std::string> names_of_sides();  // and "none"
 // "organ_scene.json" in the working folder for organ.stl: no name that a user's own files are likely to have.
 std::filesystem::path default_scene(const MakeSceneOptions& options);
-int make_scene(const MakeSceneOptions& options);
+// Warnings of lobe-mesh, which has printed them, are added to `warnings` if that is not null.
+int make_scene(const MakeSceneOptions& options, std::vector<std::string>* warnings = nullptr);
 
 struct TissuesOptions {
   bool json = false;

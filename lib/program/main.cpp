@@ -86,6 +86,7 @@ int make_and_view(int argc, char** argv) {
   CLI::App app("Makes a scene for FILE… and shows it; takes the options of lobe view SCENE, too",
                "lobe view FILE…");
   MakeSceneOptions options;
+  std::vector<std::string> warnings;
   add_make_scene_options(app, options);
   app.allow_windows_style_options(false);
   app.allow_extras();
@@ -102,7 +103,7 @@ int make_and_view(int argc, char** argv) {
       std::printf("%s was made before; remove it, or give --tissue, --hold or another choice, for another\n",
                   options.output.string().c_str());
     else
-      make_scene(options);
+      make_scene(options, &warnings);
   } catch (const CLI::Success& help) {
     return app.exit(help);
   } catch (const std::exception& error) {
@@ -112,6 +113,7 @@ int make_and_view(int argc, char** argv) {
   std::vector<std::string> words{options.output.string()};
   for (const auto& file : options.files)
     words.push_back("--made-from=" + std::filesystem::absolute(file).string());
+  for (const std::string& warning : warnings) words.push_back("--made-warning=" + warning);
   if (options.scale > 0) words.push_back("--made-scale=" + lobe::exact(options.scale));
   for (const std::string& word : app.remaining()) words.push_back(word);
   std::vector<char*> arguments;

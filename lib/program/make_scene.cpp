@@ -46,9 +46,10 @@ bool may_hold_tetrahedra(const std::filesystem::path& file) {
 }
 
 struct ScaledMesh {
-  MeshFile file;               // in metres
-  std::filesystem::path mesh;  // its file
-  double scale = 1;            // from the file's coordinates to metres
+  MeshFile file;                    // in metres
+  std::filesystem::path mesh;       // its file
+  double scale = 1;                 // from the file's coordinates to metres
+  std::vector<std::string> said{};  // warnings of lobe-mesh, which has printed them
 };
 
 double found_scale(const TetMesh& mesh) { return box_diagonal(mesh) > largest_organ ? 0.001 : 1; }
@@ -71,10 +72,11 @@ std::filesystem::path made_mesh(const MakeSceneOptions& options) {
 }
 
 std::vector<std::string> arguments_of_mesher(const MakeSceneOptions& options,
-                                             const std::filesystem::path& mesh) {
+                                             const std::filesystem::path& mesh,
+                                             const std::filesystem::path& report) {
   std::vector<std::string> arguments{sibling("lobe-mesh").string()};
   for (const std::filesystem::path& file : options.files) arguments.push_back(file.string());
-  arguments.insert(arguments.end(), {"-o", mesh.string()});
+  arguments.insert(arguments.end(), {"-o", mesh.string(), "--report", report.string()});
   if (options.scale > 0)
     arguments.insert(arguments.end(), {"--scale", exact(options.scale)});
   else
@@ -88,14 +90,31 @@ std::vector<std::string> arguments_of_mesher(const MakeSceneOptions& options,
   return arguments;
 }
 
+// Removes the report, which nobody else needs.
+std::vector<std::string> warnings_of(const std::filesystem::path& report) {
+  std::vector<std::string> warnings;
+  std::ifstream in(report);
+  const Json json = Json::parse(in, nullptr, false);
+  if (json.is_object() && json.contains("warnings"))
+    for (const Json& warning : json["warnings"])
+      if (warning.is_string()) warnings.push_back(warning.get<std::string>());
+  in.close();
+  std::error_code ignored;
+  std::filesystem::remove(report, ignored);
+  return warnings;
+}
+
 // Runs lobe-mesh, which says what it repairs and how good the mesh is.
 ScaledMesh meshed_body(const MakeSceneOptions& options) {
   const std::filesystem::path mesh = made_mesh(options);
-  const int status = run_program(arguments_of_mesher(options, mesh));
+  std::filesystem::path report = mesh;
+  report += ".report.json";
+  const int status = run_program(arguments_of_mesher(options, mesh, report));
+  std::vector<std::string> said = warnings_of(report);
   if (status == 127)
     throw InputError("lobe-mesh", "not found in the folder of lobe or on the PATH; ./dev build makes it");
   if (status != 0) throw InputError(options.files.front().string(), "was not meshed");
-  ScaledMesh body{read_mesh(mesh), mesh, 1};
+  ScaledMesh body{read_mesh(mesh), mesh, 1, std::move(said)};
   for (std::size_t k = 0; options.files.size() > 1 && k < options.files.size(); ++k)
     body.file.label_names[static_cast<int>(k)] = options.files[k].stem().string();
   return body;
@@ -191,7 +210,7 @@ std::filesystem::path default_scene(const MakeSceneOptions& options) {
   return options.files.front().stem().string() + "_scene.json";
 }
 
-int make_scene(const MakeSceneOptions& given) {
+int make_scene(const MakeSceneOptions& given, std::vector<std::string>* warnings_of_mesher) {
   MakeSceneOptions options = given;
   if (options.output.empty()) options.output = default_scene(options);
   check_options(options);
@@ -207,6 +226,8 @@ int make_scene(const MakeSceneOptions& given) {
   print_warnings(warnings);
   io::write_file(options.output, text);
   print_choices(options, body, held);
+  if (warnings_of_mesher)
+    warnings_of_mesher->insert(warnings_of_mesher->end(), body.said.begin(), body.said.end());
   return done;
 }
 

@@ -105,6 +105,8 @@ writeFileSync(surface, bean());
 await page.setInputFiles('#open-input', surface);
 check(await until(page, () => !document.getElementById('waiting').hidden), 'before it is meshed it is asked how');
 check((await text('waiting-files')) === 'bean one.obj' && /^(59|60)/.test(await text('waiting-size')), 'with its size');
+const told = await text('waiting-figures');
+check(/[\d.]+ × real time/.test(told), `and its speed: ${told}`);
 const before = parseFloat((await text('waiting-figures')).replace(/^about |,/g, ''));
 await page.locator('#waiting-edge').fill('-3');
 const finer = parseFloat((await text('waiting-figures')).replace(/^about |,/g, ''));
@@ -152,6 +154,36 @@ check(await opens(5), 'it is made anew');
 const held = await page.evaluate(() => lobe.opener.choices.chosen);
 check(held.springs === 5e4 && held.pins.length === 1 && held.tets === made.tets, 'on springs, with the pin, of the same mesh');
 
+// ---- The same as PLY; and what the mesher warns of
+
+const ply = path.join(folder, 'bean.ply');
+writeFileSync(ply, asPly(bean()));
+await page.setInputFiles('#open-input', ply);
+check(await until(page, () => !document.getElementById('waiting').hidden), 'a PLY file has a slider, too');
+check(parseFloat((await text('waiting-figures')).replace(/^about |,/g, '')) === before, 'and as many tetrahedra');
+await page.locator('#waiting-edge').fill('24'); // so long that parts are lost
+await page.click('#open-now');
+check(await opens(6), 'it is opened');
+const warnings = await page.evaluate(() => lobe.opener.choices.chosen.warnings);
+check(warnings.length > 0 && (await text('chosen-warnings')).includes(warnings[0]), `the panel has its warnings: ${warnings[0]}`);
+check((await page.textContent('#messages')).includes(warnings[0]), 'and so has a card');
+
+// ---- A scene that was saved here, alone; and one that lacks its mesh
+
+await page.setInputFiles('#open-input', path.join(out, 'bean_one.json'));
+check(await opens(7), 'a scene that was saved here needs no other file');
+const other = path.join(folder, 'other.json');
+writeFileSync(other, JSON.stringify({...saved, mesh: '/elsewhere/my mesh.vtu'}));
+await page.setInputFiles('#open-input', other);
+check(await until(page, () => !document.getElementById('needed').hidden), 'one whose mesh is elsewhere asks for it');
+check(/my_mesh\.vtu/.test(await text('needed-text')), 'by its name');
+await shot('needed');
+const mesh = path.join(folder, 'my mesh.vtu');
+writeFileSync(mesh, readFileSync(path.join(out, saved.mesh)));
+await page.setInputFiles('#open-input', mesh);
+check(await opens(8), 'and is opened once that was sent');
+check(!(await page.isVisible('#needed')), 'nothing is asked for any more');
+
 // ---- What cannot be opened is said, and the organ stays
 
 const bad = path.join(folder, 'bad.stl');
@@ -160,8 +192,27 @@ await page.setInputFiles('#open-input', bad);
 check(await says('messages', 'bad.stl was not opened'), 'a file that is none is named');
 await page.setInputFiles('#open-input', path.resolve(scene, '../../README.md'));
 check(await says('messages', 'README.md is of no kind'), 'so is one of another kind');
-check(await page.evaluate(() => lobe.opened === 5 && lobe.status.running), 'and what was there goes on');
+check(await page.evaluate(() => lobe.opened === 8 && lobe.status.running), 'and what was there goes on');
 await end();
+
+// Triangles of an OBJ file as a PLY file.
+function asPly(obj) {
+  const lines = obj.trim().split('\n').map(line => line.split(' ')),
+    points = lines.filter(([kind]) => kind === 'v'),
+    faces = lines.filter(([kind]) => kind === 'f');
+  return `ply
+format ascii 1.0
+element vertex ${points.length}
+property double x
+property double y
+property double z
+element face ${faces.length}
+property list uchar int vertex_indices
+end_header
+${points.map(([, ...x]) => x.join(' ')).join('\n')}
+${faces.map(([, ...v]) => `3 ${v.map(n => n - 1).join(' ')}`).join('\n')}
+`;
+}
 
 // The surface of an ellipsoid of 60 × 40 × 40 mm that is bent, its triangles turned inside.
 function bean() {

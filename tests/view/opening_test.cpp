@@ -1,6 +1,7 @@
 // Other organs than the first: files that are sent, what comes with lobe, and what is chosen for them.
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <thread>
@@ -11,6 +12,7 @@
 #include "lobe/error.h"
 #include "near.h"
 #include "opening.h"
+#include "pace.h"
 #include "viewed.h"
 
 using namespace lobe;
@@ -97,20 +99,46 @@ TEST_CASE("files of plain names and known kinds are taken, and are gone with the
   CHECK(!std::filesystem::exists(file.parent_path()));
 }
 
-TEST_CASE("a scene that was sent names nothing that was not sent with it") {
+TEST_CASE("names are plain as the page makes them") {
+  CHECK(plain_name("organ.vtu") == "organ.vtu");
+  CHECK(plain_name("my organ (2).vtu") == "my_organ__2_.vtu");
+  CHECK(plain_name("-.né.vtu") == "n_.vtu");
+  CHECK(plain_name("\xf0\x9f\x98\x80.vtu") == "__.vtu");  // two units of UTF-16
+  CHECK(plain_name("..").empty());
+}
+
+TEST_CASE("a scene that was sent has the files of these names that were sent with it, or known ones") {
   Folder folder;
-  const auto check = [&](const Json& scene) {
-    return fault_of([&] { check_names_beside(folder.write("scene.json", scene.dump())); });
+  const std::filesystem::path file = folder.path / "scene.json";
+  using Names = std::vector<std::string>;
+  const auto missing = [&](const Json& scene, const Names& sent, const std::string& known = "") {
+    folder.write("scene.json", scene.dump());
+    return find_files_of_scene(file, sent, [&](const std::filesystem::path& named) {
+      return named == known ? named : std::filesystem::path();
+    });
   };
-  CHECK(check({{"mesh", "organ.vtu"}, {"skin", "organ.obj"}}).empty());
-  CHECK(check({{"mesh", "/etc/passwd"}}).starts_with("/mesh: /etc/passwd: a scene that is sent"));
+  const auto now = [&] { return Json::parse(content_of(file)); };
+  CHECK(missing({{"mesh", "organ.vtu"}, {"skin", "organ.obj"}}, {"organ.vtu", "organ.obj"}).empty());
+  CHECK(missing({{"mesh", "/home/me/organ.vtu"}}, {"organ.vtu"}).empty());
+  CHECK(now()["mesh"] == "organ.vtu");
+  CHECK(missing({{"mesh", "C:\\organs\\my organ.vtu"}}, {"my_organ.vtu"}).empty());
+  CHECK(now()["mesh"] == "my_organ.vtu");
+  // What was not sent is named once, and nothing is changed.
+  const Json deep{{"mesh", "/etc/passwd"},
+                  {"bodies", {{{"name", "a"}, {"mesh", "../b/c.vtu"}}}},
+                  {"tools", {{{"shape", {{"mesh", {{"file", "/x/c.vtu"}}}}}}}},
+                  {"skin", ""}};
+  CHECK(missing(deep, {"organ.vtu"}) == Names{"c.vtu", "passwd"});
+  CHECK(now() == deep);
+  // A known one stays; one that was sent wins.
+  CHECK(missing({{"mesh", "/home/me/organ.vtu"}}, {}, "/home/me/organ.vtu").empty());
+  CHECK(now()["mesh"] == "/home/me/organ.vtu");
+  CHECK(missing({{"mesh", "/home/me/organ.vtu"}}, {"organ.vtu"}, "/home/me/organ.vtu").empty());
+  CHECK(now()["mesh"] == "organ.vtu");
+  folder.write("deep.json", std::string(1000000, '['));
   CHECK(fault_of([&] {
-          check_names_beside(folder.write("deep.json", std::string(1000000, '[')));
+          find_files_of_scene(folder.path / "deep.json", {}, [](const auto&) { return ""; });
         }).starts_with("deep.json"));
-  CHECK(check({{"mesh", "../organ.vtu"}}).starts_with("/mesh: "));
-  CHECK(check({{"bodies", {{{"name", "a"}, {"mesh", "b/c.vtu"}}}}}).starts_with("/bodies/0/mesh: "));
-  CHECK(check({{"tools", {{{"shape", {{"mesh", {{"file", "/x.obj"}}}}}}}}})
-            .starts_with("/tools/0/shape/mesh/file"));
 }
 
 TEST_CASE("a child says what it says and how it ended") {
@@ -263,6 +291,71 @@ TEST_CASE("a scene is sent with its files, and saved with them") {
   const Scene recorded = read_scene(written[1].scene);
   CHECK(std::filesystem::exists(skin_path(recorded)));
   CHECK(skin_path(recorded).parent_path() == viewed.folder.path);
+}
+
+TEST_CASE("scenes that were saved are opened again, alone where this program has their files") {
+  Viewed viewed;
+  Page page(viewed);
+  REQUIRE(page.opens(0));
+  viewed.take(page.id, 0, 0.03, 0.03);
+  viewed.lead(page.id, 0, 0.03, 0.03, 0.07);
+  REQUIRE(page.comes_to([&] { return page.status["time"].get<double>() > 0.2; }));
+  viewed.ask(page.id, {{"do", "export"}, {"to", "hands"}});
+  viewed.ask(page.id, {{"do", "save_scene"}, {"to", "kept"}});
+  CHECK(read_scene(viewed.folder.path / "hands.json").mesh == viewed.folder.path / "block.vtu");
+  const auto send = [&](const std::string& name, const std::string& as) {
+    viewed.viewer->received_file(as, content_of(viewed.folder.path / name));
+  };
+  send("hands.json", "hands.json");
+  viewed.ask(page.id, to_open({"hands.json"}));
+  CHECK(page.opens(1));
+  send("kept.json", "again.json");  // it names "kept.vtu"
+  viewed.ask(page.id, to_open({"again.json"}));
+  CHECK(page.opens(2));
+  // Another file of this folder is not read because a scene names it.
+  send("block.json", "block.json");  // "block.vtu"
+  viewed.ask(page.id, to_open({"block.json"}));
+  viewed.ask(page.id, {{"do", "cancel"}});
+  CHECK(!viewed.viewer->is_preparing());
+  send("block.vtu", "block.vtu");
+  viewed.ask(page.id, to_open({"block.json", "block.vtu"}));
+  CHECK(page.opens(3));
+}
+
+TEST_CASE("the size of a body is told before it is meshed; a mesh of its own has none") {
+  Viewed viewed;
+  Page page(viewed);
+  REQUIRE(page.opens(0));
+  CHECK(page.choices["measured"].is_null());
+  viewed.viewer->received_file("block.vtu", content_of(viewed.folder.path / "block.vtu"));
+  viewed.ask(page.id, {{"do", "measure"}, {"files", {"block.vtu"}}});
+  REQUIRE(page.comes_to([&] { return !page.choices["measured"].is_null(); }));
+  CHECK(page.choices["measured"]["files"] == Json{"block.vtu"});
+  CHECK(page.choices["measured"]["body"].is_null());
+  CHECK(page.choices["opened"] == 0);
+  const auto known = readable_extensions();
+  if (std::find(known.begin(), known.end(), ".off") == known.end()) return;  // there is no lobe-mesh
+  viewed.viewer->received_file(
+      "tetra.off", "OFF\n4 4 0\n0 0 0\n60 0 0\n0 60 0\n0 0 60\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n");
+  viewed.ask(page.id, {{"do", "measure"}, {"files", {"tetra.off"}}});
+  REQUIRE(page.comes_to([&] { return page.choices["measured"]["files"] == Json{"tetra.off"}; }));
+  const Json& body = page.choices["measured"]["body"];
+  REQUIRE_MESSAGE(!body.is_null(), page.choices["measured"].dump());
+  CHECK(body["size"] == Json{60.0, 60.0, 60.0});
+  CHECK(body["scale"] == 0.001);
+  CHECK(body["parts"][0]["volume"].get<double>() == near(36000, 1e-6));
+}
+
+TEST_CASE("warnings of the mesher are found among what programs say") {
+  const std::string said =
+      "organ.stl: 12 triangles\nlobe-mesh: warning: a, b: c\nlobe: warning: d\n\rlobe-mesh: warning: e\n";
+  CHECK(warnings_of_mesher(said) == std::vector<std::string>{"a, b: c", "e"});
+}
+
+TEST_CASE("the pace of this machine is that of a tetrahedron in a step") {
+  const double pace = measured_pace(1);
+  CHECK(pace > 1e-10);
+  CHECK(pace < 1e-5);  // 10 µs: a machine under a heavy load
 }
 
 TEST_CASE("what is being opened can be cancelled; another one may follow at once") {

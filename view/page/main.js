@@ -64,7 +64,7 @@ class Page {
     this.editor.onBrush = quantity => this.mode === 'edit' && this.colour(quantity);
     this.messages = new Messages(element('messages'));
     this.pins = this.hands.pins = new Pins(this.stage, this.organ);
-    this.opener = new Opener(this.ask, text => this.messages.add(text, 'bad'), this.pins);
+    this.opener = new Opener(this.ask, (text, kind = 'bad') => this.messages.add(text, kind), this.pins);
     this.newtons = new Forces();
     const forces = [
       ...forceColours.map((colour, i) => ({label: `instrument ${i + 1}`, colour})),
@@ -374,6 +374,8 @@ class Page {
   }
 
   hear(event) {
+    if (event.event === 'needs' && this.mode !== 'edit') return this.opener.lack(event);
+    if (event.event === 'needs') return this.editor.note(event.text);
     // Where one paints it stands in the panel, beside the button that was pressed.
     if (event.event === 'error' || event.event === 'note') {
       if (this.mode === 'edit') this.editor.note(event.text);

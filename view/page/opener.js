@@ -1,14 +1,14 @@
 // Another organ: a file that is sent to the program, or one that comes with lobe; and what was chosen for the
 // one that is open.
-import {error, speed, speedOfOther, tetrahedra, tetrahedraOfBody} from './estimates.js';
-import {sizeOfBody} from './surface_size.js';
+import {error, speed, speedOf, tetrahedra} from './estimates.js';
+import {Waiting} from './waiting.js';
 
 const element = id => document.getElementById(id);
 const option = (value, textContent) => Object.assign(document.createElement('option'), {value, textContent});
 const steps = 24, // of the slider to each side of the edge that is there
-  perStep = 1.05,
-  edgesAlong = 25, // the diagonal of a body, where lobe chooses
-  largestOrgan = 2; // [m] across; what is larger is taken to be in millimetres
+  perStep = 1.05;
+// Files that have tetrahedra or are scenes: there is nothing to choose before they are opened.
+const isReady = name => /\.(json|msh2?|mesh|node|ele)$/i.test(name);
 const sides = {
   'x-': 'where x is least',
   'x+': 'where x is greatest',
@@ -34,7 +34,7 @@ const units = [
 const sidesOffered = () => Object.entries(sides).map(([side, words]) => option(side, words));
 
 export class Opener {
-  /** @param {(request: object) => void} ask @param {(text: string) => void} tell what is wrong
+  /** @param {(request: object) => void} ask @param {(text: string, kind?: string) => void} tell what is wrong
    *  @param {Pins} pins (pins.js) */
   constructor(ask, tell, pins) {
     this.ask = ask;
@@ -43,7 +43,10 @@ export class Opener {
     this.choices = {shipped: [], tissues: [], extensions: [], largest_file: Infinity, chosen: null};
     this.now = {possible: 0, tets: 0}; // of the organ that is simulated, while it is moved
     this.may = false; // this page controls
-    this.waiting = null; // files that are opened when it is said, and the size of their body
+    this.looked = null; // files whose size was asked for, and what they are called
+    this.asked = []; // names of the files that were to be opened last
+    this.needed = []; // names of files that a scene among these lacks
+    this.waiting = new Waiting(names => this.open(names));
     element('open-file').onclick = () => element('open-input').click();
     element('open-input').onchange = ({target}) => {
       this.send([...target.files]);
@@ -68,15 +71,8 @@ export class Opener {
       target.value = target.value.replace(/[^A-Za-z0-9_-]/g, '_');
     };
     element('scene-save').onclick = () => this.ask({do: 'save_scene', to: element('scene-save-name').value});
-    Object.assign(element('waiting-edge'), {min: -steps, max: steps, value: 0});
-    element('waiting-edge').oninput = () => this.showExpected();
-    for (const id of ['new-tissue', 'new-units']) element(id).onchange = () => this.showExpected();
-    element('open-now').onclick = () => {
-      const {files} = this.waiting;
-      this.upload(files, this.wishes());
-      this.wait(null);
-    };
-    element('open-not').onclick = () => this.wait(null);
+    element('needed-choose').onclick = () => element('open-input').click();
+    element('needed-not').onclick = () => this.lack(null);
     this.listenToDrops();
   }
 
@@ -111,77 +107,57 @@ export class Opener {
     this.showChoices();
   }
 
-  /** What is wrong is said before anything is sent. Of surfaces that are read here it is told first what
-   *  their mesh will be like. */
+  /** What is wrong is said before anything is sent. Of what may be a surface or an image it is then asked how
+   *  large it is. */
   async send(/** @type {File[]} */ files) {
     if (files.length === 0) return;
     if (!this.may) return this.tell('Another page holds the instruments: ask for them first.');
     const wrong = files.map(file => this.fault(file)).filter(Boolean);
     if (wrong.length > 0) return this.tell(wrong.join(' '));
-    const size = await sizeOfBody(files),
+    const sent = await this.upload(files);
+    if (sent.length === 0) return;
+    const completes = sent.some(name => this.needed.includes(name)),
+      names = completes ? [...new Set([...this.asked, ...sent])] : sent,
       isEditing = !element('editor').hidden; // its panel lies where this one would
-    if (size && !isEditing) return this.wait({files, size});
-    this.wait(null);
-    return this.upload(files, this.wishes());
+    this.waiting.end();
+    this.lack(null);
+    if (isEditing || names.some(isReady)) return this.open(names);
+    this.looked = {names, titles: files.map(({name}) => name)};
+    this.ask({do: 'measure', files: names});
   }
 
-  /** @param {?{files: File[], size: object}} waiting their body's size as of sizeOfBody() */
-  wait(waiting) {
-    this.waiting = waiting;
-    element('waiting').hidden = !waiting;
-    element('new-edge-field').hidden = Boolean(waiting);
-    if (!waiting) return;
-    element('waiting-files').textContent = waiting.files.map(({name}) => name).join(', ');
-    element('waiting-edge').value = 0;
+  open(names) {
+    this.asked = names;
+    this.ask({do: 'open', files: names, ...this.wishes()});
+    this.waiting.end();
+  }
+
+  /** What the program has found of the files; another page may have asked for it. */
+  takeSize({files, body}) {
+    if (String(files) !== String(this.looked?.names)) return;
+    const {names, titles} = this.looked;
+    this.looked = null;
+    if (!body) return this.open(names);
+    this.waiting.begin(names, titles, body, this.choices);
     element('before').open = true;
-    this.showExpected();
     this.toggle(true);
     dispatchEvent(new Event('resize')); // the organ lies beside the panel
     element('open-now').focus();
   }
 
-  /** From the file's coordinates to metres. */
-  scaleOfWaiting() {
-    const asked = Number(element('new-units').value);
-    return asked > 0 ? asked : this.waiting.size.diagonal > largestOrgan ? 1e-3 : 1;
+  /** A scene cannot be opened without more files. @param {?{text: string, files: string[]}} what */
+  lack(what) {
+    this.needed = what?.files ?? [];
+    element('needed').hidden = !what;
+    if (!what) return;
+    element('needed-text').textContent = `${what.text}. Choose them, or drop them here.`;
+    this.toggle(true);
+    dispatchEvent(new Event('resize'));
+    element('needed-choose').focus();
   }
 
-  /** The edge that the slider says [m]. */
-  edgeOfWaiting() {
-    const {diagonal} = this.waiting.size;
-    return ((this.scaleOfWaiting() * diagonal) / edgesAlong) * perStep ** element('waiting-edge').value;
-  }
-
-  /** Speed of waves in a tissue, but for a factor that all have; of none, in liver. */
-  waveIn(tissue) {
-    const found = this.choices.tissues.find(({name}) => name === (tissue || 'liver'));
-    return found ? Math.sqrt(found.young / found.density) : 1;
-  }
-
-  showExpected() {
-    if (!this.waiting) return;
-    const {size, area, volume} = this.waiting.size,
-      {chosen} = this.choices,
-      scale = this.scaleOfWaiting(),
-      edge = this.edgeOfWaiting(),
-      tets = tetrahedraOfBody({volume: scale ** 3 * volume, area: scale ** 2 * area}, edge),
-      figures = [`about ${Math.round(Number(tets.toPrecision(2))).toLocaleString('en')} tetrahedra`];
-    element('waiting-size').textContent =
-      size.map(side => Number((1e3 * scale * side).toPrecision(3))).join(' × ') + ' mm';
-    element('waiting-length').textContent = `${Number((1e3 * edge).toPrecision(2))} mm`;
-    if (this.now.possible > 0 && chosen) {
-      const now = {...this.now, edge: chosen.edge, wave: this.waveIn(chosen.tissue)},
-        other = {tets, edge, wave: this.waveIn(element('new-tissue').value)};
-      figures.push(`${Number(speedOfOther(now, other).toPrecision(2))} × real time`);
-    }
-    figures.push(`error about ${(100 * error(tets)).toPrecision(2)} %`);
-    const isUnknown = chosen && !(this.now.possible > 0);
-    element('waiting-figures').textContent =
-      figures.join(', ') + (isUnknown ? '. Pull the organ that is there: then the speed is known, too' : '');
-  }
-
-  /** Files one after the other, then asks to open them. */
-  async upload(/** @type {File[]} */ files, wishes) {
+  /** Files one after the other. Returns the names that they have then; none if one was not sent. */
+  async upload(/** @type {File[]} */ files) {
     const names = [];
     for (const file of files) {
       let name = file.name.replace(/[^A-Za-z0-9_.-]/g, '_').replace(/^[.-]+/, '');
@@ -193,19 +169,19 @@ export class Opener {
         if (!answer.ok) throw new Error(await answer.text());
       } catch (fault) {
         this.show('');
-        return this.tell(`${file.name} was not sent: ${fault.message}`);
+        this.tell(`${file.name} was not sent: ${fault.message}`);
+        return [];
       }
       names.push(name);
     }
     this.show('');
-    this.ask({do: 'open', files: names, ...wishes});
+    return names;
   }
 
   /** What was chosen for a file before it is opened; where nothing was, lobe chooses. */
   wishes() {
     const value = id => element(`new-${id}`).value,
-      isMoved = Number(element('waiting-edge').value) !== 0,
-      edge = this.waiting ? isMoved && this.edgeOfWaiting() : 1e-3 * Number(value('edge'));
+      edge = this.waiting.isOn() ? this.waiting.edgeAsked() : 1e-3 * Number(value('edge'));
     return {
       tissue: value('tissue'),
       hold: value('hold'),
@@ -228,7 +204,9 @@ export class Opener {
   /** What a page may choose, and what was chosen for the scene that is open now. */
   take(choices) {
     if (choices.opened !== this.choices.opened) this.now = {possible: 0, tets: 0};
+    const isOther = choices.opened !== this.choices.opened;
     this.choices = choices;
+    if (choices.measured) this.takeSize(choices.measured);
     const scenes = Object.assign(document.createElement('optgroup'), {label: 'Scenes'}),
       organs = Object.assign(document.createElement('optgroup'), {label: 'Organs alone'});
     for (const {name, title} of choices.shipped)
@@ -236,9 +214,9 @@ export class Opener {
     element('shipped').replaceChildren(option('', 'Choose …'), scenes, organs);
     if (!element('new-tissue').options.length) this.offer();
     this.showErrors(choices.errors);
-    this.showExpected();
     const {chosen} = choices;
     element('chosen').hidden = !chosen;
+    if (isOther) this.warn(chosen?.warnings ?? []);
     if (!chosen) return;
     element('chosen-files').textContent = chosen.files.join(', ');
     element('chosen-size').textContent =
@@ -264,6 +242,15 @@ export class Opener {
     const stem = chosen.files[0].replace(/\..*$/, '');
     element('scene-save-name').value = stem.replace(/[^A-Za-z0-9_-]/g, '_');
     this.showChoices();
+  }
+
+  /** What the mesher has said of the mesh: on cards, and for good in the panel. */
+  warn(/** @type {string[]} */ warnings) {
+    for (const warning of warnings) this.tell(warning, 'warn');
+    element('chosen-warnings').replaceChildren(
+      ...warnings.map(textContent => Object.assign(document.createElement('li'), {textContent})),
+    );
+    element('chosen-warnings').hidden = warnings.length === 0;
   }
 
   tissues() {
@@ -305,6 +292,15 @@ export class Opener {
     return element('hold').value === none[0] ? 0 : Number(element('springs').value);
   }
 
+  /** How fast it would be with another edge: from how fast it is, once it was pulled (at rest it sleeps). */
+  speedAt(edge, tets) {
+    const {chosen, pace} = this.choices;
+    if (this.now.possible > 0) return speed(this.now, tets);
+    const tissue = this.choices.tissues.find(({name}) => name === chosen.tissue);
+    if (!(pace > 0) || !tissue) return 0;
+    return speedOf({tets, volume: chosen.volume, edge, wave: Math.sqrt(tissue.young / tissue.density)}, pace);
+  }
+
   showChoices() {
     const {chosen} = this.choices;
     if (!chosen) return;
@@ -312,10 +308,10 @@ export class Opener {
       tets = edge === chosen.edge ? chosen.tets : tetrahedra(chosen.volume, edge);
     element('edge-length').textContent = `${(1e3 * edge).toPrecision(2)} mm`;
     const figures = [`${Math.round(Number(tets.toPrecision(3))).toLocaleString('en')} tetrahedra`];
-    if (this.now.possible > 0) figures.push(`${Number(speed(this.now, tets).toPrecision(2))} × real time`);
+    const speedThen = this.speedAt(edge, tets);
+    if (speedThen > 0) figures.push(`${Number(speedThen.toPrecision(2))} × real time`);
     figures.push(`error about ${(100 * error(tets)).toPrecision(2)} %`);
-    const more = this.now.possible > 0 ? '' : '. Pull the organ: then its speed is known, too';
-    element('edge-figures').textContent = figures.join(', ') + more;
+    element('edge-figures').textContent = figures.join(', ');
     const isUnknown = ['tissue', 'hold'].some(id => element(id).value === ''),
       changes = this.changes(),
       pins = changes.pins ?? chosen.pins,
@@ -371,7 +367,6 @@ export class Opener {
     if (!isNews && possible <= status.possible && tets === status.tets) return;
     this.now = {possible: status.possible, tets: status.tets};
     if (isNews) this.showChoices();
-    if (isNews) this.showExpected();
   }
 
   show(text, mayCancel = false) {

@@ -147,6 +147,7 @@ std::string describe(const Scene& scene, const Resolved& resolved) {
   out << "run        " << rounded(scene.time.duration) << " s in frames of " << rounded(scene.time.frame)
       << " s, " << summary["integrator"].get<std::string>() << ", " << summary["precision"].get<std::string>()
       << " precision";
+  if (scene.time.own_steps) out << ", own steps";
   if (scene.time.selective_mass > 1) out << ", selective masses of degree " << scene.time.selective_mass;
   out << "\n";
   out << "output     " << rounded(summary["vtu_frames"]) << " VTU frames, " << summary["pictures"]

@@ -8,9 +8,9 @@
 
 namespace lobe {
 
-// Null where own steps would spare less than a quarter of the evaluations, or nothing is known of them: with
-// implicit steps, selective masses, pre-computed or reduced regions, or automatic ones that are not chosen
-// yet.
+// Null where own steps would spare less than a fifth of the work, or do not go with the scene, and for
+// automatic regions that are not chosen yet. Where the scene asks for own steps, it is said that they spare
+// nothing.
 nlohmann::ordered_json summarise_pace(const Scene& scene, const Resolved& resolved);
 
 std::string pace_lines(const nlohmann::ordered_json& pace);

@@ -46,7 +46,7 @@ Vec3d centre(const TetMesh& mesh, const TetFace& face) {
 std::set<std::array<Index, 3>> triangles_of(const SelectPatch& patch, const TetMesh& mesh) {
   const std::vector<TetFace> faces = outer_faces(mesh);
   std::map<std::pair<Index, Index>, std::vector<std::size_t>> at_edge;
-  const auto edge = [&](std::size_t f, int k) {
+  const auto edge = [&](std::size_t f, int k) -> std::pair<Index, Index> {
     const auto corners = sorted_face(mesh, faces[f]);
     return std::minmax(corners[std::size_t(k)], corners[std::size_t((k + 1) % 3)]);
   };

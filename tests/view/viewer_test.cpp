@@ -24,7 +24,8 @@ TEST_CASE("a page is told what stands around the organ, and how far jaws are ope
                               {"name": "table", "shape": {"plane": {}}, "position": [0, 0, -0.1]}]}})"));
   viewed.viewer->opened(1);
   Json obstacles, tools;
-  for (const Block& block : read_blocks(viewed.message(1))) {
+  const std::string message = viewed.message(1);
+  for (const Block& block : read_blocks(message)) {
     if (block.tag == obstacles_tag) obstacles = Json::parse(block.bytes);
     if (block.tag == tools_tag) tools = Json::parse(block.bytes);
   }

@@ -53,6 +53,8 @@ TEST_CASE("both ends of an attachment step as often as the stiffest part") {
   StrandSetup strand;
   strand.from.tet = 0;
   strand.to.tet = setup.mesh.tet_count() - 1;
+  strand.from.weights = strand.to.weights = {0.25, 0.25, 0.25, 0.25};
+  strand.stiffness = 1;
   setup.attachments = {{"tie", 1, 3, {strand}}};
   const std::optional<Pace> after = pace_at_rest(setup);
   CHECK((!after || after->evaluations > before));

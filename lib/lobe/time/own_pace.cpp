@@ -29,14 +29,7 @@ int rounded_up(double steps, Level top) {
 
 double cost_of(int steps, double share) { return steps * (share + cost_of_step); }
 
-// Where large steps begin, all levels kick at once: a vertex where levels meet feels more than each of them
-// alone. Of 500 bodies with a damping of 5/s one blew up at 0.84 and one at 0.82 of the stable step, none at
-// 0.80, which this makes of safety_of_levels.
-constexpr double where_all_kick = 0.8 / safety_of_levels;
-
-double safety_with_levels(const PatchLimits& limits) {
-  return std::min(limits.safety, where_all_kick * safety_of_levels);
-}
+double safety_with_levels(const PatchLimits& limits) { return std::min(limits.safety, safety_of_levels); }
 
 // As `fewest`, with steps up to another share of the stable one.
 double fewest_with(double safety, const PatchLimits& limits, int fewest) {
@@ -82,8 +75,7 @@ std::optional<OwnPace> keep_levels(const PatchGraph& graph, const PatchLimits& l
                                    double enough) {
   if (levels.size() != graph.patches.size() || levels.empty()) return {};
   const int unit = 1 << *std::max_element(levels.begin(), levels.end());
-  const double share = share_of(graph, levels),
-               safety = std::min(limits.safety, where_all_kick * safety_to_keep);
+  const double share = share_of(graph, levels), safety = std::min(limits.safety, safety_to_keep);
   const auto fits = [&](int steps) {
     return steps >= fewest_with(safety, limits, fewest) * (1 - 1e-12) && steps % unit == 0 && share < 1 &&
            cost_of(steps, share) < enough &&

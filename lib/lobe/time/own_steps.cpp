@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <limits>
 #include <numeric>
 #include <type_traits>
 #include <utility>
@@ -184,21 +183,38 @@ void OwnSteps<Real>::follow(Dynamics<Real>& body) {
   limits_.squares.assign(graph_.patches.size(), 0);
 }
 
-// Only vertices whose bound is above what their patches have so far are computed.
+// The vertex of the highest bound of each patch comes first. Of the others only those are computed whose
+// bound is above what their patches have by then.
 template <class Real>
 void OwnSteps<Real>::see_frequencies(Dynamics<Real>& body, const std::function<double(Index)>& bound,
                                      const std::function<double(Index)>& square) {
   follow(body);
   std::vector<double>& squares = limits_.squares;
+  if (!any() && wait_ > 0) return squares.clear();
+  squares.resize(graph_.patches.size());
   for (std::size_t p = 0; p < squares.size(); ++p)
     squares[p] = softest * rest_square_ / (1 << 2 * graph_.patches[p].pace);
+  std::vector<double> bounds(patches_of_.size()), highest(squares.size(), 0);
+  std::vector<Index> first(squares.size(), -1);
   for (std::size_t v = 0; v < patches_of_.size(); ++v) {
-    double least = std::numeric_limits<double>::infinity();
-    for (Index p : patches_of_[v]) least = std::min(least, squares[std::size_t(p)]);
-    if (!(bound(Index(v)) > least)) continue;
-    const double of_vertex = square(Index(v));
-    for (Index p : patches_of_[v]) squares[std::size_t(p)] = std::max(squares[std::size_t(p)], of_vertex);
+    if (patches_of_[v].empty()) continue;
+    bounds[v] = bound(Index(v));
+    for (Index p : patches_of_[v])
+      if (bounds[v] > highest[std::size_t(p)]) {
+        highest[std::size_t(p)] = bounds[v];
+        first[std::size_t(p)] = Index(v);
+      }
   }
+  const auto see = [&](Index v) {
+    const auto is_lower = [&](Index p) { return squares[std::size_t(p)] < bounds[std::size_t(v)]; };
+    const std::vector<Index>& patches = patches_of_[std::size_t(v)];
+    if (std::none_of(patches.begin(), patches.end(), is_lower)) return;
+    const double of_vertex = square(v);
+    for (Index p : patches) squares[std::size_t(p)] = std::max(squares[std::size_t(p)], of_vertex);
+  };
+  for (Index v : first)
+    if (v >= 0) see(v);
+  for (std::size_t v = 0; v < patches_of_.size(); ++v) see(Index(v));
 }
 
 // ---- A frame
@@ -230,7 +246,7 @@ template <class Real>
 OwnPace OwnSteps<Real>::pace_of_frame(const Dynamics<Real>& body, int fewest) {
   const bool waits = wait_ > 0;
   if (waits) --wait_;
-  if (waits && !any()) return {.steps = fewest};
+  if (!any() && (waits || limits_.squares.empty())) return {.steps = fewest};
   limits_.is_fast = fast_patches(body);
   const PresentPace present{levels_, steps_in(fewest * limits_.longest)};
   if (waits)
@@ -277,6 +293,16 @@ bool OwnSteps<Real>::are_stable(double dt) const {
 }
 
 template <class Real>
+LevelRatios OwnSteps<Real>::shares_of_levels() const {
+  LevelRatios shares{};
+  double all = 0;
+  for (const PatchGraph::Patch& patch : graph_.patches) all += patch.cost;
+  for (std::size_t p = 0; p < graph_.patches.size() && all > 0; ++p)
+    shares[any() ? levels_[p] : 0] += graph_.patches[p].cost / all;
+  return shares;
+}
+
+template <class Real>
 void OwnSteps<Real>::use(Dynamics<Real>& body, const std::vector<Level>& levels) {
   levels_ = levels;
   top_ = *std::max_element(levels.begin(), levels.end());
@@ -304,7 +330,7 @@ void OwnSteps<Real>::use(Dynamics<Real>& body, const std::vector<Level>& levels)
 template <class Real>
 bool OwnSteps<Real>::fits(Dynamics<Real>& body, const State& state) {
   follow(body);
-  return state.squares.size() == graph_.patches.size();
+  return state.squares.empty() || state.squares.size() == graph_.patches.size();
 }
 
 template <class Real>

@@ -33,10 +33,11 @@ class OwnSteps {
 
   // Part of a checkpoint. Patches in the order in which Regions::visit_patches() shows them.
   struct State {
-    std::vector<double> squares;  // per patch: the highest ω_v² when the step limit was found [1/s²]
-    std::vector<Level> levels;    // per patch, of the last frame; none: all stepped together
-    double step = 0;              // short, of the last frame [s]
-    int wait = 0;                 // frames in which the pace stays if it can
+    // Per patch: the highest ω_v² when the step limit was found [1/s²]; empty: not seen, as no choice is due.
+    std::vector<double> squares;
+    std::vector<Level> levels;  // per patch, of the last frame; none: all stepped together
+    double step = 0;            // short, of the last frame [s]
+    int wait = 0;               // frames in which the pace stays if it can
 
     bool is_valid() const {
       return step >= 0 && std::isfinite(step) && wait >= 0 && wait <= frames_together &&
@@ -54,7 +55,8 @@ class OwnSteps {
   void lay_out(Dynamics<Real>& body, const std::vector<double>& squares, double small);
   const LevelRatios& ratios() const { return ratios_; }
 
-  // Call it when the step limit has been found.
+  // Call it when the step limit has been found. It does nothing while all step together and no choice is
+  // due.
   void see_frequencies(Dynamics<Real>& body,
                        const std::function<double(Index)>& bound,    // of the square of a vertex [1/s²]
                        const std::function<double(Index)>& square);  // as above
@@ -73,6 +75,7 @@ class OwnSteps {
   const std::vector<Level>& levels() const { return levels_; }
   const PatchGraph& graph() const { return graph_; }
   double share() const { return share_; }  // of evaluations, of those that one step for all takes
+  LevelRatios shares_of_levels() const;    // per level: of the tetrahedra, or edges of tensor-mass
 
   // ---- A step, while there are any.
   // Puts loads on what moves in this step, or everywhere if `all`, and leaves out the patches that do not

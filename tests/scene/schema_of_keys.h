@@ -60,16 +60,25 @@ ordered_json one_or_list() {
 template <class Struct>
 ordered_json schema_of();
 
+inline ordered_json of_type(const ordered_json& type, const Takes& takes) {
+  ordered_json schema = {{"type", type}};
+  if (takes.least_items > 0) schema["minLength"] = takes.least_items;
+  add_range(takes, schema);
+  return schema;
+}
+
+inline ordered_json of_form(const char* form, const Takes& takes) {
+  ordered_json schema = ordered_json::parse(form);
+  if (takes.least_items > 0 && schema.value("type", "") == "string") schema["minLength"] = takes.least_items;
+  return schema;
+}
+
 template <class Value>
 ordered_json schema_of_value(const Takes& takes) {
-  ordered_json schema = {{"type", "string"}};
   if (*takes.schema) return ordered_json::parse(takes.schema);
-  if constexpr (keys::HasForm<Value>) {
-    schema = ordered_json::parse(keys::Form<Value>::schema);
-    if (takes.least_items > 0 && schema.value("type", "") == "string")
-      schema["minLength"] = takes.least_items;
-    return schema;
-  } else if constexpr (keys::HasKeys<Value>)
+  if constexpr (keys::HasForm<Value>)
+    return of_form(keys::Form<Value>::schema, takes);
+  else if constexpr (keys::HasKeys<Value>)
     return *keys::table_of<Value>.definition ? reference(keys::table_of<Value>.definition)
                                              : schema_of<Value>();
   else if constexpr (std::is_empty_v<Value> && !keys::HasWords<Value>)
@@ -86,16 +95,13 @@ ordered_json schema_of_value(const Takes& takes) {
                : list_of(schema_of_value<typename Value::value_type>(takes), takes.least_items);
   else if constexpr (std::same_as<Value, bool>)
     return {{"type", "boolean"}};
-  else if constexpr (std::integral<Value>) {
-    if (takes.least == 0 && takes.most == keys::most_index) return reference("index");
-    schema = {{"type", "integer"}};
-  } else if constexpr (std::floating_point<Value>)
-    schema =
-        takes.is_or_false ? ordered_json{{"type", {"number", "boolean"}}} : ordered_json{{"type", "number"}};
-  else if (takes.least_items > 0)
-    schema["minLength"] = takes.least_items;
-  add_range(takes, schema);
-  return schema;
+  else if constexpr (std::integral<Value>)
+    return takes.least == 0 && takes.most == keys::most_index ? reference("index")
+                                                              : of_type("integer", takes);
+  else if constexpr (std::floating_point<Value>)
+    return of_type(takes.is_or_false ? ordered_json{"number", "boolean"} : ordered_json("number"), takes);
+  else
+    return of_type("string", takes);
 }
 
 // "Mass-proportional damping [1/s]."

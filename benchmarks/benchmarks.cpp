@@ -27,6 +27,8 @@ std::span<const Benchmark> all_benchmarks() {
        true},
       {"features", "what each option costs per step, on and off", bench_features},
       {"steps", "two ways of shorter steps for stiff parts, against one step for all", bench_steps},
+      {"own_steps", "what own steps of soft parts spare beside a stiff one", bench_own_steps},
+      {"own_pairs", "own steps of 200 pairs of bodies: whether their energy grows", bench_own_pairs},
       {"stress", "abuse that a body must survive, with a verdict each", bench_stress},
       {"huge", "static solutions of millions of tetrahedra in parts (lobe-petsc, MPI)", bench_huge},
       {"soak", "sessions of a million frames, then random gestures, invariants checked every second",

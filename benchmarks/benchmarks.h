@@ -55,6 +55,8 @@ void bench_features(const Options& options);
 void bench_realtime(const Options& options);
 void bench_hybrid(const Options& options);
 void bench_steps(const Options& options);
+void bench_own_steps(const Options& options);
+void bench_own_pairs(const Options& options);
 void bench_stress(const Options& options);
 void bench_surface(const Options& options);
 void bench_live(const Options& options);

@@ -24,7 +24,8 @@ void add_options(CLI::App& app, Arguments& arguments) {
   app.add_option("NAME", arguments.name,
                  "which benchmark: kernels, cut, realtime, features, elements, hybrid, accuracy, validation, "
                  "surface, "
-                 "skin, scalpel, contact, palpation, live, haptic, huge, steps, stress or soak")
+                 "skin, scalpel, contact, palpation, live, haptic, huge, steps, own_steps, own_pairs, "
+                 "stress or soak")
       ->required();
   app.add_option("-o,--output", options.output, "directory for the table and the plot")->required();
   app.add_option("--tets", options.tets, "numbers of tetrahedra, N[,N...]")

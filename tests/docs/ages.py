@@ -47,6 +47,7 @@ MEASURES = {  # table: folders and files whose code decides its figures
     "live": ("lib/lobe/live", "lib/lobe/snapshot", "benchmarks/live.cpp"),
     "meshing/fuzz": ("meshing/lobe_mesh", "meshing/programs/bench_fuzz.cpp"),
     "meshing/quality": ("meshing/lobe_mesh", "meshing/programs/bench_quality.cpp"),
+    "own_steps": STEP + ("lib/lobe/contact", "benchmarks/own_steps.cpp"),
     "page": ("view/page", "view", "benchmarks/page.mjs"),
     "palpation": STEP + ("lib/lobe/contact", "benchmarks/palpation.cpp"),
     "realtime": STEP + ("lib/lobe/sim", "benchmarks/realtime.cpp"),

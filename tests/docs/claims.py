@@ -225,6 +225,13 @@ def table_beam_in_motion():
     return markdown(["case", "quantity", "lobe", "reference", "lobe is off by"], body)
 
 
+def table_own_steps():
+    body = [[row["case"], thousands(row["tets"]), f"{row['one_over_without']:.2f}", f"{row['own_over_without']:.2f}",
+             f"{row['gain']:.2f}", f"{row['evaluations']:.2f}",
+             f"gain ≥ {row['asked_gain']:g}" if row["asked_gain"] else f"own steps ≤ {row['asked_cost']:.2f}"] for row in rows("own_steps")]
+    return markdown(["", "tetrahedra", "one step", "own steps", "gain", "evaluations", "asked"], body)
+
+
 TABLES = {"laws": table_laws, "old": lambda: ages.list_of_old(ROOT), "reduced": table_reduced, "reduced-setup": table_reduced_setup, "frequencies": table_frequencies,
           "accuracy-undeclared": table_accuracy_undeclared,
           "meshing-quality": table_meshing_quality, "meshing-fuzz": table_meshing_fuzz,
@@ -232,6 +239,7 @@ TABLES = {"laws": table_laws, "old": lambda: ages.list_of_old(ROOT), "reduced": 
           "haptic_touch": lambda: table_haptic("touch"), "haptic_fine": table_haptic_fine, "palpation": table_palpation,
           "elements": table_elements, "huge": table_huge, "live": table_live, "realtime": table_realtime, "hybrid": table_hybrid,
           "beam-in-motion": table_beam_in_motion,
+          "own-steps": table_own_steps,
           "gestures": table_gestures, "gestures-meshes": table_gestures_meshes}
 TABLE = re.compile(r"(<!-- table: ([\w-]+) -->\n)((?:(?!<!--).)*)(<!-- end -->)", re.S)  # may be empty
 

@@ -204,6 +204,30 @@ TEST_CASE("the report tells what was skipped") {
   CHECK(number(asleep, "/skipped/patches/share_asleep") == near(skipped / (evaluated + skipped), 1e-12));
 }
 
+TEST_CASE("the report tells at which levels tetrahedra stepped") {
+  const Folder folder;
+  Json scene = small_scene();
+  scene["tools"] = Json::array();
+  scene["time"]["duration"] = 0.2;
+  scene["time"]["own_steps"] = true;
+  play(write_scene_files(folder, scene), folder.path / "together");
+  const Json together = report_in(folder.path / "together")["own_steps"];
+  CHECK(together["frames"] == 0);
+  CHECK(together["tetrahedra"] == Json{{{"times", 1}, {"share", 1}}});
+  CHECK(number(together, "/share_evaluated") == 1);
+  scene["materials"].insert(scene["materials"].begin(), Json::parse(R"({"lame_lambda": 8e6, "lame_mu": 2e6,
+    "density": 1000, "where": {"box": {"min": [0.07, -1, -1], "max": [1, 1, 1]}}})"));
+  play(write_scene_files(folder, scene), folder.path / "apart");
+  const Json report = report_in(folder.path / "apart"), apart = report["own_steps"];
+  CHECK(apart["frames"] == 10);
+  double share = 0;
+  for (const Json& level : apart["tetrahedra"]) share += number(level, "/share");
+  CHECK(share == near(1, 1e-12));
+  CHECK(apart["tetrahedra"].size() > 1);
+  CHECK(number(apart, "/share_evaluated") < 0.9);
+  CHECK(report["skipped"]["patches"]["asleep"] == 0);
+}
+
 TEST_CASE("loose pieces that vanish count as removed") {
   const Folder folder;
   Json scene = small_scene();

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <numeric>
 
 #include "lobe/diagnostics/body_figures.h"
 #include "lobe/diagnostics/fields.h"
@@ -48,6 +49,11 @@ void Totals::add(const Report& report, double time, double wall) {
         c.kind == Condition::Kind::unravelling)
       warnings.push_back("at " + rounded(c.time) + " s: " + c.text);
   }
+}
+
+void Totals::add_levels(const LevelRatios& shares) {
+  for (std::size_t l = 0; l < shares.size(); ++l) share_of_levels[l] += shares[l];
+  frames_by_levels += shares[0] < 1;
 }
 
 template <class Real>
@@ -145,8 +151,22 @@ Json timing_json(const Totals& totals, double simulated, double setup_seconds,
           {"phases_s", phases}};
 }
 
+Json own_steps_json(const Totals& totals) {
+  const double frames =
+      std::max(1.0, std::accumulate(totals.share_of_levels.begin(), totals.share_of_levels.end(), 0.0));
+  Json levels = Json::array();
+  for (std::size_t l = 0; l < totals.share_of_levels.size(); ++l)
+    if (totals.share_of_levels[l] > 0)
+      levels.push_back({{"times", 1 << l}, {"share", totals.share_of_levels[l] / frames}});
+  const double all = double(totals.patches_evaluated + totals.patches_skipped);
+  return {{"frames", totals.frames_by_levels},
+          {"tetrahedra", levels},
+          {"share_evaluated", all > 0 ? double(totals.patches_evaluated) / all : 1}};
+}
+
 Json skipped_json(const Totals& totals, const Setup& setup, std::size_t written) {
-  const long long all = totals.patches_evaluated + totals.patches_skipped;
+  const long long asleep = setup.own_steps ? 0 : totals.patches_skipped,  // which do not go together
+      all = totals.patches_evaluated + asleep;
   Json terms = Json::array();
   const auto unless = [&](bool asked, const char* term) {
     if (!asked) terms.push_back(term);
@@ -160,8 +180,8 @@ Json skipped_json(const Totals& totals, const Setup& setup, std::size_t written)
   unless(setup.sleep > 0, "sleep");
   return {{"patches",
            {{"evaluated", totals.patches_evaluated},
-            {"asleep", totals.patches_skipped},
-            {"share_asleep", all > 0 ? double(totals.patches_skipped) / double(all) : 0}}},
+            {"asleep", asleep},
+            {"share_asleep", all > 0 ? double(asleep) / double(all) : 0}}},
           {"states_not_written", totals.states - static_cast<long long>(written)},
           {"terms", terms}};
 }

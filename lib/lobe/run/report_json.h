@@ -24,10 +24,13 @@ struct Totals {
   Index tets_removed = 0, tets_copied = 0;
   double cut_area = 0, mass_added = 0;  // area cut and mass added by blades [m²], [kg]
   long long states = 1, patches_evaluated = 0, patches_skipped = 0;
+  LevelRatios share_of_levels{};  // own steps: sums over frames of the shares of tetrahedra at each level
+  int frames_by_levels = 0;       // in which some step more seldom
   std::vector<std::string> warnings;
   bool warned_of_inversion = false;
 
   void add(const Report& report, double time, double wall);
+  void add_levels(const LevelRatios& shares);  // of tetrahedra in a frame
 };
 
 // An entry of the report's series: time, volume, energies and tools now.
@@ -39,6 +42,8 @@ nlohmann::ordered_json timing_json(const Totals& totals, double simulated, doubl
 // Lists what the run did not compute: patches that slept, states that no output needed, terms that the scene
 // leaves out.
 nlohmann::ordered_json skipped_json(const Totals& totals, const Setup& setup, std::size_t written);
+// At which levels tetrahedra stepped.
+nlohmann::ordered_json own_steps_json(const Totals& totals);
 nlohmann::ordered_json proposal_json(const Proposal& proposal);
 
 // The summary of a report, for the console.

@@ -53,6 +53,7 @@ bool play(World<Real>& world, const Scene& scene, const Resolved& resolved, cons
     const Report report = recorded ? recorded->advance(frames.length) : world.advance(frames.length);
     look();
     totals.add(report, time, seconds_since(start));
+    if (const auto& own_steps = world.body().own_steps) totals.add_levels(own_steps->shares_of_levels());
     record(!report.ok || i + 1 == frames.count);
     if (options.progress) options.progress(double(i + 1) / frames.count);
     ok = report.ok;
@@ -68,6 +69,7 @@ void add_parts_in_use(Json& report, const World<Real>& world, const Scene& scene
   const bool is_reduced = options_of(resolved.setup).has(option_of(RegionModel::reduced));
   if (resolved.proposal && !scene.corrects_masses() && !is_reduced)
     report["auto_regions"] = proposal_json(*resolved.proposal);
+  if (resolved.setup.own_steps) report["own_steps"] = own_steps_json(totals);
   if (world.grains())
     report["scalpel"] = {{"cut_area_m2", totals.cut_area},
                          {"tetrahedra_copied", totals.tets_copied},

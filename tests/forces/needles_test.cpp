@@ -205,6 +205,34 @@ TEST_CASE("a needle through soft tissue leaves two bites on the surface") {
   CHECK(sewing.now().holds.empty());
 }
 
+TEST_CASE("a free lip that bends away is punctured from both sides, at the force along the needle") {
+  // A plate stands on its lower edge. The needle goes through it from left to right.
+  Setup setup = setup_of(box_mesh({0.008, 0.02, 0.02}, 4, 8, 8));
+  setup.materials = sewn_block().materials;
+  setup.damping = 40;
+  for (Index v = 0; v < setup.mesh.vertex_count(); ++v)
+    if (setup.mesh.points(2, v) == 0) setup.prescribed.push_back({v});
+  Sewing sewing(setup, turning(1, 2, {0.005, 0.0098, 0.024}));
+  sewing.settings.puncture = 0.05;
+  sewing.settings.friction = 5;
+  double bent = 0;
+  std::vector<Event> events;
+  while (sewing.world.time() < 1) {
+    const Report report = sewing.advance();
+    events.insert(events.end(), report.events.begin(), report.events.end());
+    const NeedleFigures now = sewing.now();
+    if (now.tip == Tip::pushing) bent = std::max(bent, (sewing.place(now.at) - sewing.rest(now.at)).x());
+  }
+  CHECK(bent > 0.004);
+  REQUIRE(events.size() == 2);
+  CHECK(events[0].kind == Event::Kind::punctured);
+  CHECK(events[1].kind == Event::Kind::exited);
+  for (const Event& event : events) {
+    CHECK(event.size >= sewing.settings.puncture);
+    CHECK(event.size == near(sewing.settings.puncture, 0.05));
+  }
+}
+
 TEST_CASE("a needle that is drawn back out leaves nothing") {
   std::vector<PathPoint> path = pushed_down(0.01, 0.2);
   path.push_back({0.4, path.front().position, path.front().orientation});

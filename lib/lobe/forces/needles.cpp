@@ -143,8 +143,9 @@ void Needles<Real>::place(const Needle& needle, Scratch& scratch, const At& at, 
   }
 }
 
-// A tip that would have to pull at the surface comes off it. Times are at most the end of the frame, so that
-// no later row of a path matters.
+// A tip that would have to pull at the surface comes off it: along the needle, or from outside also along the
+// normal, as where a lip turns aside and it slides off. Times are at most the end of the frame, so that no
+// later row of a path matters.
 template <class Real>
 void Needles<Real>::solve(Needle& needle, Scratch& scratch, const At& at, const Mat3X<Real>& f) {
   NeedlePassage& passage = needle.passage;
@@ -153,11 +154,14 @@ void Needles<Real>::solve(Needle& needle, Scratch& scratch, const At& at, const 
     place(needle, scratch, at, std::min(at.time + at.kick.dt, to_), &f);
     scratch.guide.solve(at.kick.dt, at.kick.push);
     if (!passage.touches()) return;
-    const double sign = passage.tip == NeedlePassage::Tip::leaving ? 1 : -1;
-    needle.pressed = sign * scratch.guide.points().back().force.dot(outwards(passage, at));
+    const NeedleGuide::Point& tip = scratch.guide.points().back();
+    needle.pressed = tip.force.dot(tip.along);
     scratch.punctures = needle.pressed >= needle.settings.puncture;
-    if (needle.pressed >= 0) return;
+    const bool slides_off =
+        passage.tip == NeedlePassage::Tip::pushing && tip.force.dot(outwards(passage, at)) > 0;
+    if (needle.pressed >= 0 && !slides_off) return;
     needle.pressed = 0;
+    scratch.punctures = false;
     passage.come_off();
   }
 }

@@ -20,7 +20,7 @@ struct Event {
     clipped,    // a clip has closed; size: how far apart its legs found the tissue's faces [m]
     bleeding,   // a body that carries blood is open where it is fed; size: the area of its open faces [m²]
     leak,       // a body that carries bile is open where it is fed; size as for bleeding
-    punctured,  // a needle's tip went through the surface into tissue; size: its force along the normal [N]
+    punctured,  // a needle's tip went through the surface into tissue; size: its force along it [N]
     exited,     // a needle's tip came out of tissue; size as for punctured, 0 where it was open already
     drawn_out   // the end of a thread was drawn out of a bite, by a needle; size: none
   };

@@ -1,5 +1,5 @@
 // The force term of needles that sew (theory, section 25). A needle is an arc that a tool moves. Its tip
-// sticks to the surface of the body and pushes, until the force along the normal reaches the puncture force.
+// sticks to the surface of the body and pushes, until its force along the needle reaches the puncture force.
 // Then the needle guides the tissue that it goes through (needle_guide.h): points of the tissue at its
 // entries and exits, and between them, are drawn to the arc, with friction along it. Where the tip comes to
 // the surface from inside it has to puncture it again. Bites are what the end of the needle has passed.
@@ -33,7 +33,7 @@ struct NeedleFigures {
   Index entries = 0, exits = 0;      // on the needle now
   std::vector<EmbeddedPoint> holds;  // points of the tissue that are on it, from its end to its tip
   // On the body in the last step: force, torque about the needle's centre, and the force of a tip that
-  // touches the surface along the normal, positive where it pushes [N], [N m], [N].
+  // touches the surface along the needle, positive where it pushes [N], [N m], [N].
   Vec3d force = Vec3d::Zero(), torque = Vec3d::Zero();
   double pressed = 0;
 };

@@ -37,7 +37,7 @@ inline constexpr auto table_of<NeedleSetup> = Table(
     Key("thickness", OfNeedleShape{&NeedleShape::thickness}, above(0).in("m"),
         "diameter of its wire, below `radius`; to draw it, and for a warning where the mesh is finer"),
     Key("puncture", OfNeedle<double>{&NeedleSettings::puncture}, above(0).in("N").required(),
-        "force of the tip along the normal at which the surface gives way, from outside and from inside"),
+        "force of the tip along the needle at which the surface gives way, from outside and from inside"),
     Key("friction", OfNeedle<double>{&NeedleSettings::friction}, at_least(0).in("N/m").required(),
         "force along it, per length that is in tissue"),
     Key("thread", &NeedleSetup::thread, index.optional(),

@@ -40,7 +40,7 @@ struct NeedleShape {
 // What a needle does to tissue.
 struct NeedleSettings {
   NeedleShape shape;
-  double puncture = 1;   // normal force of its tip at which the surface gives way [N]
+  double puncture = 1;   // force of its tip along it at which the surface gives way [N]
   double friction = 20;  // force along it, per length in the tissue [N/m]
 
   std::string fault() const {

@@ -1,4 +1,4 @@
-// A hook, clips, and needle and thread of the page in a headless Chromium.
+// A hook, clips, needle and thread of the page, and an artery that is cut, in a headless Chromium.
 // Usage: node browser_clips_test.mjs LOBE_VIEW SCENE MODULES OUT
 import {drag, grip, openPage, until} from './page_support.mjs';
 
@@ -90,4 +90,55 @@ check(await has('thread && thread.knots.length === 0 && !thread.held'), 'undone,
 await page.waitForTimeout(500);
 await twice(at.x - 40, at.y);
 check(await has('thread?.knots.length === 1 && thread.bites.length === 3'), 'and goes on, to a third place');
+
+// ---- An artery is cut between two clips, and without them
+
+await page.keyboard.press('l');
+const title = 'A gallbladder on its bed, with its duct and artery, in the hands';
+await page.selectOption('#shipped', {label: title});
+check(await until(page, () => lobe.opened === 1 && !lobe.status.opening), 'another scene is opened');
+await page.keyboard.press('l');
+await until(page, () => !document.querySelector('#opener:not([hidden])') && lobe.frames > 2);
+// From left to right, where it lies over the liver: [x, its upper end, its lower end].
+const artery = await page.evaluate(() => {
+  const {organ, bodies, stage} = lobe,
+    found = [];
+  const isArtery = hit => hit && bodies.names[organ.bodyOf(hit)] === 'artery';
+  for (let x = 300; x < 700; x += 8) {
+    const ys = [];
+    for (let y = 90; y < 330; y += 4) if (isArtery(organ.hit(stage.ray(x, y)))) ys.push(y);
+    if (ys.length > 0) found.push([x, ys[0], ys.at(-1)]);
+  }
+  return found;
+});
+check(artery.length > 8, `the artery is seen over ${8 * artery.length} pixels`);
+const along = share => artery[Math.floor(share * artery.length)],
+  told = name => page.evaluate(name => lobe.status.messages.some(message => message.name === name), name);
+// By a stroke of the scalpel, which ends once this is so.
+async function cutArtery(condition, what) {
+  await page.keyboard.press('x');
+  const [x, top, bottom] = along(0.4);
+  await drag(page, {x, y: top - 12}, 0, bottom - top + 24);
+  check(await until(page, condition), what);
+  await page.mouse.up();
+}
+await page.keyboard.press('a');
+for (const share of [0.25, 0.55]) {
+  const [x, top, bottom] = along(share);
+  await page.mouse.move(x, (top + bottom) / 2);
+  await page.mouse.down();
+  await until(page, () => lobe.instruments.shown.size === 1);
+  await page.mouse.up();
+  await until(page, () => lobe.instruments.shown.size === 0);
+}
+check(await told('clipped'), 'clips close on it');
+const isParted = () => lobe.status.messages.some(({name}) => name === 'pieces');
+await cutArtery(isParted, 'a stroke of the scalpel parts it');
+await shot('between_clips');
+check(!(await told('bleeding')), 'between clips it does not bleed');
+await page.keyboard.press('r');
+check(await until(page, () => lobe.lines.tubes.clips.count === 0 && lobe.organ.cutCount === 0), 'begun anew');
+const bleeds = () => /It bleeds/.test(document.getElementById('messages').textContent);
+await cutArtery(bleeds, 'without clips it bleeds, which a card says');
+await shot('bleeding');
 await end();

@@ -95,7 +95,8 @@ export const bringing = {
 
 const turnTo = axes => new THREE.Quaternion().setFromRotationMatrix(axes).toArray();
 
-const cells = 48; // of the picture in which a strip is looked for, in each direction
+const cells = 48, // of the picture in which a strip is looked for, in each direction
+  closer = 3; // of the strip's width, how wide the picture is in which it is looked for again
 
 /**
  * Across which direction the organ is narrowest at a point of its surface, as the viewer sees it, how wide it
@@ -104,6 +105,13 @@ const cells = 48; // of the picture in which a strip is looked for, in each dire
  * @returns {{across: THREE.Vector3, width: number, middle: THREE.Vector3}|null}
  */
 export function stripAt(stage, surface, point, most) {
+  const rough = stripWithin(stage, surface, point, most);
+  // Of what is far narrower than the clip opens, a closer look shows the sides.
+  if (!rough || rough.width > most / closer) return rough;
+  return stripWithin(stage, surface, rough.middle, closer * rough.width) ?? rough;
+}
+
+function stripWithin(stage, surface, point, most) {
   const right = stage.right(),
     above = stage.above(),
     mask = pictureOf(surface, point, [right, above, stage.forward()], most),

@@ -20,7 +20,8 @@ constexpr double side = 0.08;  // [m]
 constexpr const char* falling_block = R"({
   "name": "block", "mesh": "block.vtu", "materials": [{"tissue": "liver"}],
   "volume_penalty": 34800, "guard_below": 0.2, "gravity": [0, 0, -9.81],
-  "boundary": [{"fix": true, "where": {"plane": {"point": [0, 0, 0.001], "normal": [0, 0, 1], "side": "below"}}}],
+  "boundary": [{"fix": true,
+                "where": {"plane": {"point": [0, 0, 0.001], "normal": [0, 0, 1], "side": "below"}}}],
   "time": {"duration": 1, "damping": 15}})";
 
 }  // namespace

@@ -226,9 +226,12 @@ def table_beam_in_motion():
 
 
 def table_own_steps():
-    body = [[row["case"], thousands(row["tets"]), f"{row['one_over_without']:.2f}", f"{row['own_over_without']:.2f}",
-             f"{row['gain']:.2f}", f"{row['evaluations']:.2f}",
-             f"gain ≥ {row['asked_gain']:g}" if row["asked_gain"] else f"own steps ≤ {row['asked_cost']:.2f}"] for row in rows("own_steps")]
+    def asked(row):
+        return f"gain ≥ {row['asked_gain']:g}" if row["asked_gain"] else f"own steps ≤ {row['asked_cost']:.2f}"
+
+    figures = ("one_over_without", "own_over_without", "gain", "evaluations")
+    body = [[row["case"], thousands(row["tets"])] + [f"{row[name]:.2f}" for name in figures] + [asked(row)]
+            for row in rows("own_steps")]
     return markdown(["", "tetrahedra", "one step", "own steps", "gain", "evaluations", "asked"], body)
 
 

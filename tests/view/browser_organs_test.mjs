@@ -162,12 +162,18 @@ const ply = path.join(folder, 'bean.ply');
 writeFileSync(ply, asPly(bean()));
 await page.setInputFiles('#open-input', ply);
 check(await until(page, () => !document.getElementById('waiting').hidden), 'a PLY file has a slider, too');
-check(parseFloat((await text('waiting-figures')).replace(/^about |,/g, '')) === before, 'and as many tetrahedra');
+check(
+  parseFloat((await text('waiting-figures')).replace(/^about |,/g, '')) === before,
+  'and as many tetrahedra',
+);
 await page.locator('#waiting-edge').fill('24'); // so long that parts are lost
 await page.click('#open-now');
 check(await opens(6), 'it is opened');
 const warnings = await page.evaluate(() => lobe.opener.choices.chosen.warnings);
-check(warnings.length > 0 && (await text('chosen-warnings')).includes(warnings[0]), `the panel has its warnings: ${warnings[0]}`);
+check(
+  warnings.length > 0 && (await text('chosen-warnings')).includes(warnings[0]),
+  `the panel has its warnings: ${warnings[0]}`,
+);
 check((await page.textContent('#messages')).includes(warnings[0]), 'and so has a card');
 
 // ---- A scene that was saved here, alone; and one that lacks its mesh
@@ -177,7 +183,10 @@ check(await opens(7), 'a scene that was saved here needs no other file');
 const other = path.join(folder, 'other.json');
 writeFileSync(other, JSON.stringify({...saved, mesh: '/elsewhere/my mesh.vtu'}));
 await page.setInputFiles('#open-input', other);
-check(await until(page, () => !document.getElementById('needed').hidden), 'one whose mesh is elsewhere asks for it');
+check(
+  await until(page, () => !document.getElementById('needed').hidden),
+  'one whose mesh is elsewhere asks for it',
+);
 check(/my_mesh\.vtu/.test(await text('needed-text')), 'by its name');
 await shot('needed');
 const mesh = path.join(folder, 'my mesh.vtu');

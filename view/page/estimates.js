@@ -11,7 +11,8 @@ export const speed = ({possible, tets}, wanted) => possible * (tets / wanted) **
  *  @param {{volume: number, area: number}[]} parts */
 export const tetrahedraOfParts = (parts, edge) =>
   parts.reduce(
-    (sum, {volume, area}) => sum + Math.max(tetrahedra(volume, edge), area / ((Math.sqrt(3) / 4) * edge ** 2)),
+    (sum, {volume, area}) =>
+      sum + Math.max(tetrahedra(volume, edge), area / ((Math.sqrt(3) / 4) * edge ** 2)),
     0,
   );
 

@@ -74,7 +74,10 @@ export class Waiting {
     const scale = this.scale(),
       edge = this.edge(),
       wave = this.wave(),
-      parts = this.body.parts.map(({volume, area}) => ({volume: scale ** 3 * volume, area: scale ** 2 * area})),
+      parts = this.body.parts.map(({volume, area}) => ({
+        volume: scale ** 3 * volume,
+        area: scale ** 2 * area,
+      })),
       volume = parts.reduce((sum, part) => sum + part.volume, 0),
       tets = tetrahedraOfParts(parts, edge),
       figures = [`about ${Math.round(Number(tets.toPrecision(2))).toLocaleString('en')} tetrahedra`];
